@@ -1,0 +1,40 @@
+"""Errors of the harness, each with the exit code of the command line."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class HarnessError(Exception):
+    """Base of all errors that the command line reports as one sentence."""
+
+    exit_code = 2
+
+
+class ConfigError(HarnessError):
+    """A system file, scenario or option is wrong (exit code 2)."""
+
+
+class FmuInvalidError(HarnessError):
+    """An FMU or its archive is not usable (exit code 3)."""
+
+    exit_code = 3
+
+
+class FmuRuntimeError(HarnessError):
+    """An FMU failed while it ran (exit code 4)."""
+
+    exit_code = 4
+
+
+class PlatformError(HarnessError):
+    """An FMU has no binary for this platform (exit code 6)."""
+
+    exit_code = 6
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return `` Did you mean 'x'?`` for the closest known name, or an empty string."""
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f" Did you mean '{close[0]}'?" if close else ""
