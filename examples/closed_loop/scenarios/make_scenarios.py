@@ -58,10 +58,15 @@ def write(name: str, time: np.ndarray, clutch_signals: list[Signal]) -> None:
         ("brake.torque", np.zeros_like(time)),
         ("shaft1.gear", np.full_like(time, 1)),
         ("shaft2.gear", np.full_like(time, 2)),
+        ("clutch1.pressure", np.zeros_like(time)),
+        ("clutch2.pressure", np.zeros_like(time)),
         *clutch_signals,
     ]
     lines = [",".join(name for name, _ in signals)]
-    lines += [",".join(f"{v:.10g}" for v in row) for row in zip(*(v for _, v in signals))]
+    lines += [
+        ",".join(f"{v:.10g}" for v in row)
+        for row in zip(*(v for _, v in signals), strict=True)
+    ]
     (Path(__file__).parent / name).write_text("\n".join(lines) + "\n", newline="\n")
 
 

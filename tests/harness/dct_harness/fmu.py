@@ -1,0 +1,243 @@
+"""One FMI 2.0 co-simulation FMU with preallocated buffers for set, step and get."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import shutil
+import tempfile
+import time
+import zipfile
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import fmpy
+import numpy as np
+from fmpy import fmi2, read_model_description
+
+from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
+
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+GROUPS = ("Real", "Integer", "Boolean")
+LAST_MESSAGES = 5
+
+
+def extract(path: Path) -> Path:
+    """Unpack an FMU into a new temporary directory; refuses members that would leave it."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for name in archive.namelist():
+                parts = PurePosixPath(name.replace("\\", "/"))
+                if parts.is_absolute() or ".." in parts.parts or ":" in name:
+                    raise FmuInvalidError(f"{path}: archive member '{name}' leaves the archive")
+            directory = Path(tempfile.mkdtemp(prefix="dct-harness-"))
+            try:
+                archive.extractall(directory)
+            except BaseException:
+                shutil.rmtree(directory, ignore_errors=True)
+                raise
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot read the FMU: {error.strerror or error}") from error
+    except zipfile.BadZipFile as error:
+        raise FmuInvalidError(f"{path}: is not an FMU (not a ZIP archive)") from error
+    return directory
+
+
+def group_of(variable: Any) -> str:
+    """Return the get/set family of a variable: enumerations travel as integers."""
+    return "Integer" if variable.type == "Enumeration" else variable.type
+
+
+class Fmu:
+    """A loaded instance; `close` frees everything and may be called at any point."""
+
+    def __init__(self, name: str, path: Path) -> None:
+        self.name, self.path = name, path
+        self.log: list[dict[str, Any]] = []
+        self.wall_time = 0.0
+        self.now = 0.0
+        self._slave: Any = None
+        self._instantiated = False
+        self._stepping = False
+        self._directory = extract(path)
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self) -> None:
+        try:
+            self.description = read_model_description(self._directory)
+        except Exception as error:
+            raise FmuInvalidError(f"{self.path}: modelDescription.xml: {error}") from error
+        if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
+            raise FmuInvalidError(f"{self.path}: is not an FMI 2.0 co-simulation FMU")
+        identifier = self.description.coSimulation.modelIdentifier
+        if Path(identifier).name != identifier:
+            raise FmuInvalidError(f"{self.path}: modelIdentifier '{identifier}' is a path")
+        if fmpy.platform not in fmpy.supported_platforms(self._directory):
+            raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}")
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.inputs = self._ordered("input")
+        self.outputs = self._ordered("output")
+        try:
+            self._slave = fmi2.FMU2Slave(
+                guid=self.description.guid, unzipDirectory=str(self._directory),
+                modelIdentifier=identifier, instanceName=self.name,
+            )  # fmt: skip
+        except Exception as error:
+            raise FmuInvalidError(f"{self.path}: the library does not load: {error}") from error
+
+    def _ordered(self, causality: str) -> list[Any]:
+        """Return variables of a causality, reals first, then integers, then booleans."""
+        found = [v for v in self.description.modelVariables if v.causality == causality]
+        return [v for group in GROUPS for v in found if group_of(v) == group]
+
+    def identity(self) -> dict[str, str]:
+        """Return what `run.json` records of the FMU."""
+        digest = hashlib.sha256(self.path.read_bytes()).hexdigest()
+        return {
+            "path": str(self.path), "modelName": self.description.modelName,
+            "guid": self.description.guid, "sha256": digest,
+            "generationTool": self.description.generationTool or "",
+        }  # fmt: skip
+
+    def initialize(self, stop: float, values: dict[str, Any]) -> None:
+        """Instantiate, set parameters and start values, enter initialisation mode."""
+        self._call("fmi2Instantiate", lambda: self._slave.instantiate(callbacks=self._callbacks()))
+        self._instantiated = True
+        for name, value in values.items():
+            self._set_start(name, value)
+        self._call("fmi2SetupExperiment", lambda: self._slave.setupExperiment(stopTime=stop))
+        self._call("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
+
+    def exit_initialization(self) -> None:
+        """Leave initialisation mode; from here on `step` is legal."""
+        self._call("fmi2ExitInitializationMode", self._slave.exitInitializationMode)
+        self._stepping = True
+
+    def _set_start(self, name: str, value: Any) -> None:
+        if name not in self.variables:
+            hint = did_you_mean(name, self.variables)
+            raise ConfigError(f"component '{self.name}': {self.path} has no '{name}'.{hint}")
+        variable = self.variables[name]
+        kinds = {"Real": float, "Integer": int, "Boolean": bool, "String": str}
+        kind = kinds[group_of(variable)]
+        number = kind is float and type(value) is int
+        if type(value) is not kind and not number:
+            raise ConfigError(
+                f"component '{self.name}': '{name}' is {variable.type}, got {value!r}"
+            )
+        setter = getattr(self._slave, f"set{group_of(variable)}")
+        reference = [variable.valueReference]
+        self._call(f"fmi2Set{group_of(variable)} ({name})", lambda: setter(reference, [value]))
+
+    def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """Attach the float buffers that `set_inputs` reads and `get_outputs` writes.
+
+        `inputs` has shape (len(self.inputs),), `outputs` shape (len(self.outputs),); both
+        must be contiguous and stay alive.
+        """
+        self._setters = self._transfers("Set", self.inputs, inputs)
+        self._getters = self._transfers("Get", self.outputs, outputs)
+        self._do_step = self._slave.dll["fmi2DoStep"]
+        self._do_step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int]
+        self._component = ctypes.c_void_p(self._slave.component)
+
+    def _transfers(self, verb: str, variables: list[Any], values: np.ndarray) -> list[tuple]:
+        """Return per type: function, references, count, pointer, narrow buffer, float view."""
+        transfers, first = [], 0
+        for group in GROUPS:
+            members = [v for v in variables if group_of(v) == group]
+            view = values[first : first + len(members)]
+            first += len(members)
+            if not members:
+                continue
+            references = (ctypes.c_uint * len(members))(*(v.valueReference for v in members))
+            narrow = None if group == "Real" else np.zeros(len(members), dtype=np.int32)
+            target = view if narrow is None else narrow
+            function = self._slave.dll[f"fmi2{verb}{group}"]
+            function.argtypes = [
+                ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
+            ]  # fmt: skip
+            pointer = ctypes.c_void_p(target.ctypes.data)
+            transfers.append((function, references, len(members), pointer, narrow, view))
+        return transfers
+
+    def set_inputs(self) -> None:
+        """Write the bound input buffer to the FMU."""
+        for function, references, count, pointer, narrow, view in self._setters:
+            if narrow is not None:
+                narrow[:] = view
+            status = function(self._component, references, count, pointer)
+            if status > 1:
+                self._fail(function.__name__, status)
+
+    def get_outputs(self) -> None:
+        """Read the FMU's outputs into the bound output buffer."""
+        for function, references, count, pointer, narrow, view in self._getters:
+            status = function(self._component, references, count, pointer)
+            if status > 1:
+                self._fail(function.__name__, status)
+            if narrow is not None:
+                view[:] = narrow
+
+    def step(self, t: float, h: float) -> None:
+        """Advance from `t` to `t + h` [s] with the bound buffers."""
+        self.now = t
+        started = time.perf_counter()
+        self.set_inputs()
+        status = self._do_step(self._component, t, h, 1)
+        if status > 1:
+            self._fail("fmi2DoStep", status)
+        self.get_outputs()
+        self.wall_time += time.perf_counter() - started
+
+    def _call(self, function: str, action: Any) -> None:
+        try:
+            action()
+        except Exception as error:
+            raise self._error(function, str(error)) from error
+
+    def _fail(self, function: str, status: int) -> None:
+        self._stepping = False
+        word = STATUS[status] if status < len(STATUS) else str(status)
+        raise self._error(function, f"returned fmi2{word}")
+
+    def _error(self, function: str, what: str) -> FmuRuntimeError:
+        said = "".join(f"\n  {m['category']}: {m['message']}" for m in self.log[-LAST_MESSAGES:])
+        return FmuRuntimeError(f"{self.name}: {function} at t = {self.now!r} s {what}{said}")
+
+    def _callbacks(self) -> Any:
+        def logger(_env: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+            self.log.append({
+                "component": self.name, "time": self.now, "status": STATUS[status],
+                "category": (category or b"").decode("utf-8", "replace"),
+                "message": (message or b"").decode("utf-8", "replace"),
+            })  # fmt: skip
+
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger)
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        self._kept = callbacks
+        return callbacks
+
+    def close(self) -> None:
+        """Terminate, free, unload, remove the temporary directory; never raises."""
+        slave, self._slave = self._slave, None
+        try:
+            if slave is not None:
+                _release(slave, self._instantiated, self._stepping)
+        finally:
+            shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def _release(slave: Any, instantiated: bool, stepping: bool) -> None:
+    """Terminate (only after a healthy step), free and unload one instance."""
+    if stepping:
+        slave.dll["fmi2Terminate"](ctypes.c_void_p(slave.component))
+    if instantiated:
+        slave.dll["fmi2FreeInstance"](ctypes.c_void_p(slave.component))
+    fmpy.freeLibrary(slave.dll._handle)

@@ -1,0 +1,195 @@
+"""Gauss-Seidel master: plant, observer, control in order, on an integer step counter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import scenario as scenarios
+from .errors import ConfigError, FmuRuntimeError, HarnessError, did_you_mean
+from .fmu import Fmu, group_of
+from .system import System
+
+STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
+
+
+def communication_points(step: float, stop: float) -> np.ndarray:
+    """Return k * step [s] up to `stop`; the last step is shorter when stop is no multiple."""
+    count = stop / step
+    whole = round(count)
+    if abs(count - whole) > STEP_TOLERANCE * max(1.0, count):
+        whole = math.ceil(count)
+    times = np.arange(whole + 1) * step
+    times[-1] = stop
+    return times
+
+
+def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[str, str]:
+    """Return input -> source, both as `<component>.<variable>`; constants are left out."""
+    outputs = {f"{n}.{v.name}" for n, f in fmus.items() for v in f.outputs}
+    known = outputs | {f"scenario.{name}" for name in signals}
+    inputs = {f"{n}.{v.name}": v.name for n, f in fmus.items() for v in f.inputs}
+    for target, source in system.connections.items():
+        for end, names in ((target, inputs), (source, known)):
+            if end not in names:
+                raise ConfigError(
+                    f"{system.path}: connections: no '{end}'.{did_you_mean(end, names)}"
+                )
+    found = {}
+    for target, variable in inputs.items():
+        component = target.partition(".")[0]
+        if target in system.connections:
+            found[target] = system.connections[target]
+        elif variable not in system.components[component].parameters:
+            found[target] = _source(system, component, variable, outputs, known)
+    return found
+
+
+def _source(
+    system: System, component: str, variable: str, outputs: set[str], known: set[str]
+) -> str:
+    """Return the one equal-named output of another component, else the scenario's signal."""
+    others = (n for n in system.components if n != component)
+    equal = [f"{n}.{variable}" for n in others if f"{n}.{variable}" in outputs]
+    if len(equal) > 1:
+        raise ConfigError(
+            f"{system.path}: '{component}.{variable}' has several sources ({', '.join(equal)}); "
+            "choose one with a [[connections]] entry"
+        )
+    signal = equal[0] if equal else f"scenario.{variable}"
+    if signal not in known:
+        raise ConfigError(
+            f"{system.path}: '{component}.{variable}' has no source: add a column '{variable}' to "
+            f"{system.scenario}, a [[connections]] entry, or a value under "
+            f"components.{component}.parameters.{did_you_mean(signal, known)}"
+        )
+    return signal
+
+
+class Run:
+    """One run; after `execute`, also a failed one, `rows` holds the samples so far."""
+
+    def __init__(self, system: System, paths: dict[str, Path]) -> None:
+        self.system, self.paths = system, paths
+        self.names: list[str] = []
+        self.rows = np.zeros((0, 0))
+        self.fmus: dict[str, Fmu] = {}
+        self.identities: dict[str, dict[str, str]] = {}
+        self.discrete: set[str] = set()
+
+    def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
+        """Run from t = 0 to stop; frees every FMU whatever happens."""
+        with ExitStack() as stack:
+            for name, path in self.paths.items():
+                self.fmus[name] = Fmu(name, path)
+                stack.callback(self.fmus[name].close)
+                self.identities[name] = self.fmus[name].identity()
+            self._wire()
+            self._initialize()
+            self._loop(progress)
+
+    def _wire(self) -> None:
+        """Lay out scenario signals and outputs in one vector, and where each input reads it."""
+        script = scenarios.load(self.system.scenario)
+        self.times = communication_points(self.system.step, self.system.stop)
+        self.sources = resolve(self.system, self.fmus, list(script.signals))
+        typed = {f"{n}.{v.name}": group_of(v) for n, f in self.fmus.items()
+                 for v in (*f.inputs, *f.outputs)}  # fmt: skip
+        held = {s for t, s in self.sources.items() if typed[t] != "Real"}
+        used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
+        self.names = [f"scenario.{s}" for s in used]
+        self.script = np.zeros((len(self.times), len(used)))
+        for k, signal in enumerate(used):
+            hold = f"scenario.{signal}" in held
+            self.script[:, k] = script.sample(signal, self.times, hold)
+        self.names += [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
+        self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
+        self.world = np.zeros(len(self.names))
+        self._samples = np.zeros((len(self.times), len(self.names)))
+
+    def _initialize(self) -> None:
+        """Start all FMUs and propagate initial values until every chain has been followed."""
+        index = {name: k for k, name in enumerate(self.names)}
+        self.gathers: list[tuple[Fmu, np.ndarray, np.ndarray]] = []
+        first = self.script.shape[1]
+        for name, fmu in self.fmus.items():
+            fmu.inputs = [v for v in fmu.inputs if f"{name}.{v.name}" in self.sources]
+            fmu.initialize(self.system.stop, self.system.components[name].parameters)
+            where = [index[self.sources[f"{name}.{v.name}"]] for v in fmu.inputs]
+            values = np.zeros(len(where))
+            fmu.bind(values, self.world[first : first + len(fmu.outputs)])
+            first += len(fmu.outputs)
+            self.gathers.append((fmu, np.array(where, dtype=np.intp), values))
+        self.world[: self.script.shape[1]] = self.script[0]
+        for fmu, _, _ in self.gathers:
+            fmu.get_outputs()
+        for _ in self.gathers:
+            self._each(lambda fmu: (fmu.set_inputs(), fmu.get_outputs()))
+        for fmu in self.fmus.values():
+            fmu.exit_initialization()
+            fmu.get_outputs()
+        self._record(0)
+
+    def _each(self, action: Callable[[Fmu], Any]) -> None:
+        for fmu, where, values in self.gathers:
+            np.take(self.world, where, out=values)
+            action(fmu)
+
+    def _loop(self, progress: Callable[[int, int], None] | None) -> None:
+        """Step all components; scenario inputs are those at the start of the step."""
+        times, signals = self.times.tolist(), self.script.shape[1]
+        last = len(times) - 1
+        for k in range(last):
+            t = times[k]
+            h = times[k + 1] - t
+            self.world[:signals] = self.script[k]
+            for fmu, where, values in self.gathers:
+                self.world.take(where, out=values, mode="clip")
+                fmu.step(t, h)
+            self._record(k + 1)
+            if progress is not None and (k % 100 == 0 or k + 1 == last):
+                progress(k + 1, last)
+
+    def _record(self, k: int) -> None:
+        row = self._samples[k]
+        row[:] = self.world
+        row[: self.script.shape[1]] = self.script[k]
+        if not math.isfinite(row.sum()):
+            bad = np.flatnonzero(~np.isfinite(row))
+            if bad.size:
+                name, value = self.names[bad[0]], row[bad[0]]
+                raise FmuRuntimeError(f"{name} is {value} at t = {self.times[k]!r} s")
+        self.rows = self._samples[: k + 1]
+
+    def table(self) -> tuple[list[str], np.ndarray]:
+        """Return column names and rows, `time` first."""
+        return ["time", *self.names], np.column_stack([self.times[: len(self.rows)], self.rows])
+
+    def events(self) -> list[dict[str, Any]]:
+        """Return each change of an integer or enumeration output."""
+        found = []
+        for name in sorted(self.discrete):
+            column = self.rows[:, self.names.index(name)]
+            component, _, variable = name.partition(".")
+            for k in np.flatnonzero(np.diff(column)) + 1:
+                found.append({
+                    "time": float(self.times[k]), "component": component, "variable": variable,
+                    "from": int(column[k - 1]), "to": int(column[k]),
+                })  # fmt: skip
+        return sorted(found, key=lambda e: e["time"])
+
+    def summary(self, error: HarnessError | None) -> dict[str, Any]:
+        """Return the content of `run.json`, without the environment."""
+        log = [m for f in self.fmus.values() for m in f.log]
+        return {
+            "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
+            "status": "partial" if error else "complete", "error": str(error) if error else None,
+            "fmus": self.identities, "events": self.events(),
+            "log": sorted(log, key=lambda m: m["time"]),
+            "wall_time": {n: f.wall_time for n, f in self.fmus.items()},
+        }  # fmt: skip
