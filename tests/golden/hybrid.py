@@ -1,0 +1,288 @@
+"""Hybrid simulation: clutch modes, located events, rows and the energy balance.
+
+Modes per clutch: open (F_n = 0), slipping with the sign of the slip, engaged. Inside a smooth
+piece a slip zero or |T_c| = mu_s F r N is found by root finding (brentq); at every input sample
+and event the modes of the clutches at zero slip are enumerated and the consistent set is taken.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from propagator import Propagator
+from reference_plant import ENGAGED, OPEN, ModeSystem
+from scipy.optimize import brentq, minimize_scalar
+
+STATE_NUMBER = {OPEN: 1, 1: 2, -1: 2, ENGAGED: 3}
+STATE_NAME = {1: "disengaged", 2: "slipping", 3: "engaged"}
+ZERO_SLIP = 1e-10  # [rad/s] at rest together; below what two accelerations leave after a step
+SLIP_TOL, TORQUE_TOL = 1e-12, 1e-9  # [rad/s], [N·m] round-off of a guard that starts at zero
+
+
+class Simulation:
+    """One run of a plant. Call `run`; then read `rows`, `events`, `energy`."""
+
+    def __init__(self, plant, scenario, engine_speed, vehicle_speed, stages=None):
+        self.plant, self.scenario, self.stages = plant, scenario, stages
+        self.x = plant.start(engine_speed, vehicle_speed)
+        self.mode, self.systems, self.cache = (OPEN, OPEN), {}, {}
+        self.rows, self.events, self.piece, self.at_start = [], [], None, True
+        self.work = np.zeros(4)  # engine, dampers, clutch friction, load [J]
+        self.turnover, self.stored_0 = 0.0, plant.energy(self.x)
+
+    def run(self, pieces):
+        """Advance over all `pieces`; the first row is at the start."""
+        for piece in pieces:
+            self.piece = piece
+            self._resolve(piece.start, 0.0)
+            if self.at_start:
+                self.events.clear()
+                self._record(piece.start, 0.0)
+                self.at_start = False
+            self._advance()
+            if piece.row:
+                self._record(piece.end, piece.duration)
+        return self
+
+    def energy(self):
+        """Energy balance [J]: work in, stored, the three losses and what does not close."""
+        stored = self.plant.energy(self.x) - self.stored_0
+        names = ("engine", "dampers", "clutches", "load")
+        out = dict(zip(names, map(float, self.work), strict=True)) | {"stored": float(stored)}
+        out["turnover"] = float(self.turnover)
+        out["residual"] = float(self.work[0] - stored - self.work[1:].sum())
+        return out
+
+    # ---- inputs ----
+
+    def _inputs(self, offset):
+        """T_e, forces (2) and grade at `offset` [s] into the piece, each of `offset`'s shape."""
+        offset = np.asarray(offset, dtype=float)
+        t = self.piece.sample
+        time = self.piece.start + offset if t is None else np.full(offset.shape, t)
+        u = self.scenario.at(time)
+        force = [self.plant.p.force(i, u[..., 1 + i]) for i in range(2)]
+        return u[..., 0], force, u[..., 3]
+
+    def _forcing(self, mode, offset):
+        torque, force, _ = self._inputs(offset)
+        v = np.zeros((*np.shape(offset), 4))
+        v[..., 0] = torque
+        p = self.plant.p
+        for i in range(2):
+            if mode[i] in (1, -1):
+                v[..., 1 + i] = mode[i] * p.mu_k[i] * force[i] * p.r_n[i]
+        return v
+
+    def _peak(self, i, offset):
+        """Largest torque of clutch `i` when engaged, mu_s F r N [N·m]."""
+        p = self.plant.p
+        return p.mu_s[i] * self._inputs(offset)[1][i] * p.r_n[i]
+
+    def _full_forcing(self, mode, offset):
+        v = self._forcing(mode, offset)
+        omega_w = self.x[self.plant.row_w]
+        v[3] = self.plant.p.load_torque(omega_w, self._inputs(offset)[2])
+        return v
+
+    def _system(self, mode):
+        if mode not in self.systems:
+            self.systems[mode] = ModeSystem(self.plant, mode)
+        return self.systems[mode]
+
+    def _propagator(self, h):
+        key = (self.mode, h)
+        if key not in self.cache:
+            system = self._system(self.mode)
+            made = Propagator(system, h, self.plant.row_w, self.stages)
+            if abs(h - self.piece.duration) > 0:  # the rest of a piece after an event: used once
+                return made
+            self.cache[key] = made
+        return self.cache[key]
+
+    # ---- modes ----
+
+    def _resolve(self, time, offset, broken=None, reached=None):
+        """Modes valid just after `time`; `broken` may not stick, `reached` has zero slip."""
+        slip = self.plant.slip @ self.x
+        _, force, _ = self._inputs(np.array([offset, self.piece.duration]))
+        choices = []
+        for i in range(2):
+            at_zero = self.mode[i] == ENGAGED or i == reached or abs(slip[i]) <= ZERO_SLIP
+            if max(force[i]) <= 0:
+                choices.append((OPEN,))
+            elif at_zero:
+                choices.append((1, -1) if i == broken else (ENGAGED, 1, -1))
+            else:
+                choices.append((1,) if slip[i] > 0 else (-1,))
+        zero = [i for i in range(2) if len(choices[i]) > 1]
+        self._change(time, self._pick(choices, zero, offset) if zero else _single(choices))
+
+    def _pick(self, choices, zero, offset):
+        """Take the consistent set: most clutches stuck; of two, the more loaded one slips."""
+        sets = [m for m in product(*choices) if self._consistent(m, zero, offset)]
+        if not sets:
+            raise RuntimeError(f"no consistent clutch modes in {choices}")
+        load = self._loading(tuple(c[0] for c in choices), offset)
+        stuck = [sum(load[i] if m[i] == ENGAGED else 0.0 for i in range(2)) for m in sets]
+        return min(zip(sets, stuck, strict=True), key=lambda s: (-s[0].count(ENGAGED), s[1]))[0]
+
+    def _loading(self, mode, offset):
+        """|T_c| / (mu_s F r N) of every engaged clutch of `mode`, shape (2)."""
+        torque = self._clutch_torque(mode, self.x, self._full_forcing(mode, offset))
+        peak = np.array([self._peak(i, offset) for i in range(2)])
+        return np.abs(torque) / np.maximum(peak, 1e-300)
+
+    def _consistent(self, mode, zero, offset):
+        system, v = self._system(mode), self._full_forcing(mode, offset)
+        torque = self._clutch_torque(mode, self.x, v)
+        slip_dot = self.plant.slip @ (system.a @ self.x + system.b @ v)
+        for i in zero:
+            if mode[i] == ENGAGED:
+                if abs(torque[i]) > self._peak(i, offset) * (1 + 1e-12):
+                    return False
+            elif mode[i] * slip_dot[i] <= 0:
+                return False
+        return not self._over_constrained(mode)
+
+    def _over_constrained(self, mode):
+        """Whether engaging `mode` would need a speed jump (rigid tie-up while moving)."""
+        stuck = [i for i in range(2) if mode[i] == ENGAGED]
+        return bool(np.any(np.abs(self.plant.slip[stuck] @ self.x) > 1e-6))
+
+    def _clutch_torque(self, mode, x, v):
+        system = self._system(mode)
+        return x @ system.gx.T + v @ system.gv.T
+
+    def _change(self, time, mode):
+        for i in range(2):
+            if mode[i] != self.mode[i]:
+                a, b = STATE_NUMBER[self.mode[i]], STATE_NUMBER[mode[i]]
+                event = {"time": float(time), "clutch": i + 1, "from": STATE_NAME[a]}
+                event |= {"to": STATE_NAME[b], "direction": mode[i] if b == 2 else 0}
+                self.events.append(event)
+        self.mode = tuple(mode)
+        self._project()
+
+    def _project(self):
+        """Remove round-off from the slip of engaged clutches, momentum kept."""
+        stuck = [i for i in range(2) if self.mode[i] == ENGAGED]
+        if stuck:
+            s = self.plant.slip[stuck]
+            impulse = np.linalg.solve((s * self.plant.inv_mass) @ s.T, s @ self.x)
+            self.x = self.x - self.plant.inv_mass * (impulse @ s)
+
+    # ---- motion ----
+
+    def _advance(self):
+        done, total = 0.0, self.piece.duration
+        for _ in range(50):
+            prop = self._propagator(total - done)
+            v, xs = self._piece_states(prop, done)
+            hit = self._first_event(prop, v, xs, done)
+            if hit is None:
+                self._book(prop, v, xs)
+                return
+            fraction, clutch = hit
+            if fraction > 0:
+                part = Propagator(prop.system, fraction * prop.h, self.plant.row_w, self.stages)
+                self._book(part, *self._piece_states(part, done))
+                done += part.h
+            self._event(clutch, done)
+            if total - done < 1e-13:
+                return
+        raise RuntimeError(f"more than 50 events in the step at {self.piece.start}")
+
+    def _event(self, clutch, done):
+        engaged = self.mode[clutch] == ENGAGED
+        broken, reached = (clutch, None) if engaged else (None, clutch)
+        self._resolve(self.piece.start + done, done, broken, reached)
+
+    def _piece_states(self, prop, done):
+        offset = done + prop.nodes * prop.h
+        grade = self._inputs(offset)[2]
+        forcing = self._forcing(self.mode, offset)
+        load = self.plant.p.load_torque
+        v = prop.solve_forcing(self.x, forcing, lambda w: load(w, grade))
+        return v, prop.sample(self.x, v)
+
+    def _book(self, prop, v, xs):
+        """Add the work done over the piece and move to its end."""
+        vp = prop.forcing_map @ v
+        torque = xs @ prop.system.gx.T + vp @ prop.system.gv.T
+        engine = vp[:, 0] * (xs @ self.plant.unit["e"])
+        friction = np.sum(torque * (xs @ self.plant.slip.T), axis=1)
+        load = vp[:, 3] * (xs @ self.plant.unit["w"])
+        power = np.stack([engine, self.plant.damping_power(xs), friction, load])
+        self.work += prop.h * power @ prop.weights
+        self.turnover += prop.h * np.abs(engine) @ prop.weights
+        self.x = xs[-1]
+        self._project()
+
+    # ---- events ----
+
+    def _guard(self, i, xs, v, offset):
+        """Positive while clutch `i` keeps its mode; None for an open clutch."""
+        if self.mode[i] == OPEN:
+            return None
+        if self.mode[i] == ENGAGED:
+            return self._peak(i, offset) - np.abs(self._clutch_torque(self.mode, xs, v)[..., i])
+        return self.mode[i] * (xs @ self.plant.slip[i])
+
+    def _first_event(self, prop, v, xs, done):
+        """Earliest guard crossing as (fraction of the piece, clutch), or None."""
+        grid = np.concatenate([[0.0], prop.points])
+        states = np.vstack([self.x, xs])
+        vp = np.vstack([v[0], prop.forcing_map @ v])
+        hits = []
+        for i in range(2):
+            guard = self._guard(i, states, vp, done + grid * prop.h)
+            if guard is None:
+                continue
+            tol = TORQUE_TOL if self.mode[i] == ENGAGED else SLIP_TOL
+            bracket = self._bracket(guard, grid, tol, self._probe(i, prop, v, done))
+            if bracket is not None:
+                hits.append((bracket, i))
+        return min(hits) if hits else None
+
+    def _probe(self, i, prop, v, done):
+        def guard(c):
+            x, vc = prop.at(self.x, v, c), prop.forcing_at(v, c)
+            return float(self._guard(i, x, vc, done + c * prop.h))
+
+        return guard
+
+    def _bracket(self, guard, grid, tol, probe):
+        below = np.flatnonzero(guard < -tol)
+        stop = below[0] if len(below) else len(grid)
+        left, mid, right = guard[:-2], guard[1:-1], guard[2:]
+        dips = (mid <= left) & (mid <= right) & (mid < left + right - 2 * mid)
+        for k in np.flatnonzero(dips[: max(0, stop - 1)]) + 1:
+            low = minimize_scalar(
+                probe, bounds=(grid[k - 1], grid[k + 1]), method="bounded", options={"xatol": 1e-9}
+            )
+            if low.fun < -tol:
+                return _root(probe, grid[k - 1], low.x)
+        if not len(below):
+            return None
+        return 0.0 if stop == 0 else _root(probe, grid[stop - 1], grid[stop])
+
+    # ---- rows ----
+
+    def _record(self, time, offset):
+        """Row at `time`: left limit, with the modes and inputs of the piece that ends there."""
+        v = self._full_forcing(self.mode, offset)
+        clutch = self._clutch_torque(self.mode, self.x, v)
+        speeds = self.plant.speeds @ self.x
+        torques = (self.plant.damper_row @ self.x, *clutch, self.plant.shaft_row @ self.x, v[3])
+        self.rows.append((time, *speeds, *torques, *(STATE_NUMBER[m] for m in self.mode)))
+
+
+def _single(choices):
+    return tuple(c[0] for c in choices)
+
+
+def _root(probe, a, b):
+    """Root of `probe` in [a, b]; `a` itself where it starts at round-off below zero."""
+    return a if probe(a) <= 0 else brentq(probe, a, b, xtol=1e-15, rtol=1e-14)

@@ -1,0 +1,102 @@
+"""Write the golden CSV, events and energy files of this directory. `--help` shows the options."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from pathlib import Path
+
+from golden_cases import CASES
+from tqdm import tqdm
+
+HERE = Path(__file__).parent
+HEADER = (
+    *("time", "engine.speed", "damper.speed", "clutch1.speed", "clutch2.speed", "output.speed"),
+    *("wheel.speed", "damper.torque", "clutch1.torque", "clutch2.torque", "driveShaft.torque"),
+    *("load.torque", "clutch1.state", "clutch2.state"),
+)
+
+
+def run_case(case, longest=None, stages=None):
+    """Run one `Case`; returns its finished `Simulation`."""
+    simulation = case.simulation(stages)
+    options = {} if longest is None else {"longest": longest}
+    pieces = case.pieces(simulation.plant.p, **options)
+    total = round(case.stop / min(case.h or 1e-3, longest or 1e-3))
+    return simulation.run(tqdm(pieces, desc=case.name, total=total, mininterval=2))
+
+
+def format_row(row):
+    """Text fields of one row: time and values with 14 digits, states as integers."""
+    return [f"{float(x):.14g}" for x in row[:-2]] + [str(int(x)) for x in row[-2:]]
+
+
+def write_rows(path, rows):
+    """Write a golden CSV, one column per `HEADER`."""
+    with path.open("w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(HEADER)
+        out.writerows(format_row(row) for row in rows)
+
+
+def write_json(path, value):
+    """Write `value` as indented JSON."""
+    path.write_text(json.dumps(value, indent=1) + "\n")
+
+
+def case_json(case, params):
+    """What a run needs beside its scenario, and the FMI parameters that leave the preset."""
+    changed = {"transmission.rigid": True} if case.rigid else {}
+    return {
+        "about": case.about,
+        "preset": "paper",
+        "parameters": changed,
+        "start": {
+            "engine.speed_start": case.engine_speed,
+            "vehicle.speed_start": case.vehicle_speed,
+        },
+        "gears": {"shaft1.gear": 1, "shaft2.gear": 2},
+        "ratios": {"shaft1": params.ratio[0], "shaft2": params.ratio[1]},
+        "stop": case.stop,
+        "inputs": "continuous" if case.h is None else "held",
+        "h": case.h,
+        "row_every": case.row_every,
+        "scenario": f"{case.scenario_file or case.name}.scenario.csv",
+    }
+
+
+def write_case(case, out):
+    """Run one case and write its five files into `out`."""
+    simulation = run_case(case)
+    write_rows(out / f"{case.name}.csv", simulation.rows)
+    write_json(out / f"{case.name}.events.json", simulation.events)
+    write_json(out / f"{case.name}.energy.json", simulation.energy())
+    write_json(out / f"{case.name}.json", case_json(case, simulation.plant.p))
+    case.scenario.write(out / f"{case.scenario_file or case.name}.scenario.csv")
+    return simulation
+
+
+def main():
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("case", nargs="*", help="case names; all of them when none is given")
+    parser.add_argument("--out", type=Path, default=HERE, help="directory to write into")
+    parser.add_argument("--list", action="store_true", help="list the cases and stop")
+    args = parser.parse_args()
+    known = {case.name: case for case in CASES}
+    if args.list:
+        print("\n".join(f"{case.name:24} {case.about}" for case in CASES))
+        return
+    if unknown := set(args.case) - set(known):
+        parser.error(f"no such case: {', '.join(sorted(unknown))}")
+    args.out.mkdir(parents=True, exist_ok=True)
+    for name in args.case or known:
+        simulation = write_case(known[name], args.out)
+        balance = simulation.energy()
+        print(f"{name}: {len(simulation.events)} events, energy residual", end=" ")
+        print(f"{balance['residual'] / max(balance['turnover'], 1e-9):.1e} of the engine work")
+
+
+if __name__ == "__main__":
+    main()

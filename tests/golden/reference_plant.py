@@ -1,0 +1,176 @@
+"""Dual-clutch driveline (1)-(11) as matrices, one set per clutch-mode combination.
+
+An independent reference: written from the paper's equations, not from any other code here.
+With `x` the state and `v = [T_e, T_c1, T_c2, T_v]` the torques, the plant is
+
+    x' = A0 x + B0 v
+
+and an engaged clutch replaces its column of `v` by the constraint torque that keeps
+d/dt (omega_d - omega_ci) = 0. Both clutches engaged is the 2x2 case of the same formula.
+
+Compliant state (10): omega_e omega_d omega_c1 omega_c2 omega_o omega_w [rad/s] and the twists
+th_d th_t1 th_t2 th_o [rad]. Rigid state (6): omega_e omega_d omega_o omega_w th_d th_o.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+OPEN, ENGAGED = 0, 2  # a slipping clutch is its sign, +1 or -1
+PAPER_MAPS_MM = (
+    ((0, 2, 3, 4, 5, 6, 7, 8, 9, 10), (0, 0, 250, 700, 1350, 2200, 3300, 4700, 6400, 8500)),
+    ((0, 2.2, 3, 4, 5, 6, 7, 8, 9, 10), (0, 0, 220, 680, 1330, 2200, 3350, 4800, 6600, 8800)),
+)
+
+
+@dataclass(frozen=True)
+class Params:
+    """Parameters of the plant, SI; the values are the preset `paper`."""
+
+    rigid: bool = False
+    j_e: float = 0.745
+    j_d: float = 0.0165
+    j_c: tuple = (0.1, 0.1)
+    j_o: float = 0.04
+    j_v: float = 134.6
+    k_d: float = 600.0
+    c_d: float = 1.5
+    k_t: tuple = (3e4, 3e4)
+    c_t: tuple = (20.0, 20.0)
+    k_o: float = 4887.0
+    c_o: float = 567.0
+    i_t: tuple = (3.0, 2.4)
+    i_f: tuple = (6.0, 4.8)
+    r_n: tuple = (0.095, 0.095)
+    mu_k: tuple = (0.26, 0.22)
+    mu_s: tuple = (0.30, 0.25)
+    mass: float = 1500.0
+    r_w: float = 0.30
+    rho: float = 1.20
+    area: float = 2.2
+    c_drag: float = 0.32
+    c_rr: float = 0.013
+    g: float = 9.81
+    v_eps: float = 0.05
+    maps_mm: tuple = field(default=PAPER_MAPS_MM)
+
+    @property
+    def ratio(self):
+        """Total ratios g_i = i_ti i_fi [-], shape (2)."""
+        return tuple(a * b for a, b in zip(self.i_t, self.i_f, strict=True))
+
+    def force(self, i, position):
+        """Normal force of clutch `i` [N] at `position` [m], piecewise linear, constant outside."""
+        stroke, force = self.maps_mm[i]
+        return np.interp(np.asarray(position) * 1e3, stroke, force)
+
+    def load_torque(self, omega_w, grade):
+        """Load torque T_v [N·m], (11), positive when it brakes forward motion."""
+        v = self.r_w * omega_w
+        weight = self.mass * self.g
+        roll = weight * np.cos(grade) * self.c_rr * np.tanh(v / self.v_eps)
+        drag = 0.5 * self.rho * self.area * self.c_drag * v * np.abs(v)
+        return self.r_w * (weight * np.sin(grade) + drag + roll)
+
+
+class Plant:
+    """The open plant: `a0`, `b0` and the rows that read torques, slips and speeds from `x`.
+
+    Attributes
+    ----------
+    a0, b0 : ndarray, shapes (n, n) and (n, 4)
+    mass_matrix : ndarray, shape (n), the inertia of each speed state, 0 for twists
+    springs : list of (row of the twist, row of the rate, stiffness, damping)
+    slip : ndarray, shape (2, n), omega_d - omega_ci
+    speeds : ndarray, shape (6, n), the six FMI speeds
+    """
+
+    def __init__(self, p: Params):
+        self.p = p
+        names = ["e", "d", "o", "w"] if p.rigid else ["e", "d", "c1", "c2", "o", "w"]
+        twists = ["th_d", "th_o"] if p.rigid else ["th_d", "th_t1", "th_t2", "th_o"]
+        self.n = len(names) + len(twists)
+        unit = dict(zip(names + twists, np.eye(self.n), strict=True))
+        if p.rigid:
+            unit |= {f"c{i + 1}": p.ratio[i] * unit["o"] for i in range(2)}
+        self.unit, self.twists = unit, twists
+        self.speeds = np.array([unit[k] for k in ("e", "d", "c1", "c2", "o", "w")])
+        self.slip = np.array([unit["d"] - unit["c1"], unit["d"] - unit["c2"]])
+        self.mass_matrix = self._masses(names)
+        self.springs = self._springs()
+        self.row_w = int(np.argmax(unit["w"]))
+        self._assemble()
+
+    def _masses(self, names):
+        p = self.p
+        j_out = p.j_o + sum(p.ratio[i] ** 2 * p.j_c[i] for i in range(2))
+        inertia = {"e": p.j_e, "d": p.j_d, "c1": p.j_c[0], "c2": p.j_c[1], "w": p.j_v}
+        inertia["o"] = j_out if p.rigid else p.j_o
+        return np.array([inertia[k] for k in names] + [0.0] * len(self.twists))
+
+    def _springs(self):
+        p, u = self.p, self.unit
+        out = [(u["th_d"], u["e"] - u["d"], p.k_d, p.c_d)]
+        if not p.rigid:
+            for i in range(2):
+                rate = u[f"c{i + 1}"] / p.i_t[i] - p.i_f[i] * u["o"]
+                out.append((u[f"th_t{i + 1}"], rate, p.k_t[i], p.c_t[i]))
+        return [*out, (u["th_o"], u["o"] - u["w"], p.k_o, p.c_o)]
+
+    def _assemble(self):
+        # A spring acts on each inertia through the transpose of its own rate row (virtual work).
+        moving = self.mass_matrix > 0
+        inv = np.where(moving, 1 / np.where(moving, self.mass_matrix, 1.0), 0.0)
+        self.inv_mass = inv
+        self.a0 = np.zeros((self.n, self.n))
+        for twist, rate, k, c in self.springs:
+            self.a0 += np.outer(twist, rate) - np.outer(inv * rate, k * twist + c * rate)
+        acts = [self.unit["e"], -self.slip[0], -self.slip[1], -self.unit["w"]]
+        self.b0 = inv[:, None] * np.column_stack(acts)
+        (td, rd, kd, cd), (to, ro, ko, co) = self.springs[0], self.springs[-1]
+        self.damper_row = kd * td + cd * rd
+        self.shaft_row = ko * to + co * ro
+
+    def energy(self, x):
+        """Stored energy [J], kinetic and elastic, of `x` with shape (..., n)."""
+        x = np.asarray(x)
+        kinetic = 0.5 * np.sum(self.mass_matrix * x**2, axis=-1)
+        return kinetic + sum(0.5 * k * (x @ twist) ** 2 for twist, _, k, _ in self.springs)
+
+    def damping_power(self, x):
+        """Power lost in the dampers [W] for `x` with shape (..., n)."""
+        return sum(c * (x @ rate) ** 2 for _, rate, _, c in self.springs)
+
+    def start(self, engine_speed, vehicle_speed):
+        """Start state: omega_d = omega_e, omega_o = omega_w = V / r_w, twists 0."""
+        omega = vehicle_speed / self.p.r_w
+        values = {"e": engine_speed, "d": engine_speed, "o": omega, "w": omega}
+        if not self.p.rigid:
+            values |= {f"c{i + 1}": self.p.ratio[i] * omega for i in range(2)}
+        return sum(value * self.unit[name] for name, value in values.items())
+
+
+class ModeSystem:
+    """The plant in one mode pair: x' = a x + b v, clutch torques T_c = gx x + gv v.
+
+    `v` carries the friction torque of slipping clutches and 0 for the others.
+    """
+
+    def __init__(self, plant: Plant, mode):
+        stuck = [i for i in range(2) if mode[i] == ENGAGED]
+        self.mode = tuple(mode)
+        self.gx, self.gv = np.zeros((2, plant.n)), np.zeros((2, 4))
+        free = plant.b0.copy()
+        for i in range(2):
+            if mode[i] == ENGAGED:
+                free[:, 1 + i] = 0.0
+            else:
+                self.gv[i, 1 + i] = 1.0
+        if stuck:
+            s = plant.slip[stuck]
+            gain = -np.linalg.inv(s @ plant.b0[:, [1 + i for i in stuck]])
+            self.gx[stuck], self.gv[stuck] = gain @ s @ plant.a0, gain @ s @ free
+        self.a = plant.a0 + plant.b0[:, 1:3] @ self.gx
+        self.b = np.where(np.arange(4) % 3 == 0, plant.b0, 0.0) + plant.b0[:, 1:3] @ self.gv
