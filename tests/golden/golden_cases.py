@@ -43,7 +43,8 @@ class Case:
         return Simulation(plant, self.scenario, self.engine_speed, self.vehicle_speed, stages)
 
 
-def _mm(*knots):
+def mm(*knots):
+    """Knots (t [s], position [mm]) as (t [s], position [m])."""
     return [(t, round(x * 1e-3, 9)) for t, x in knots]
 
 
@@ -55,12 +56,12 @@ PAPER = Scenario.from_signals(
             *((18.8, 26), (21.8, 20), (22.1, -50), (23.8, -50), (24.2, 50), (26, 50)),
             *((26.4, -20), (28.4, -20), (28.8, 0), (30, 0)),
         ],
-        "clutch1.position": _mm(
+        "clutch1.position": mm(
             *((0, 0), (0.8, 1.8), (1, 2.2), (1.8, 6.2), (2.6, 6.2), (3.2, 9), (8.6, 9)),
             *((8.9, 6.6), (9.3, 5), (9.55, 1.5), (9.7, 0), (16.6, 0), (17, 2), (17.5, 2.5)),
             *((17.75, 3.4), (18, 6), (18.6, 9), (28.2, 9), (28.6, 4), (28.8, 1), (29, 0), (30, 0)),
         ),
-        "clutch2.position": _mm(
+        "clutch2.position": mm(
             *((0, 0), (8.2, 0), (8.6, 2.2), (8.9, 3), (9.4, 7), (10.6, 7), (11.1, 9), (15.7, 9)),
             *((16.1, 5.8), (17.4, 5.6), (17.75, 3.6), (18, 1), (18.1, 0), (30, 0)),
         ),
@@ -97,4 +98,3 @@ PAPER_CASES = [
         about="Fig. 9, knots as they are",
     ),
 ]
-CASES = [*PAPER_CASES]

@@ -216,7 +216,7 @@ class Simulation:
         load = vp[:, 3] * (xs @ self.plant.unit["w"])
         power = np.stack([engine, self.plant.damping_power(xs), friction, load])
         self.work += prop.h * power @ prop.weights
-        self.turnover += prop.h * np.abs(engine) @ prop.weights
+        self.turnover += prop.h * (np.abs(engine) + np.abs(load)) @ prop.weights
         self.x = xs[-1]
         self._project()
 

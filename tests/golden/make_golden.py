@@ -7,9 +7,11 @@ import csv
 import json
 from pathlib import Path
 
-from golden_cases import CASES
+from golden_cases import PAPER_CASES
+from small_cases import SMALL_CASES
 from tqdm import tqdm
 
+CASES = (*PAPER_CASES, *SMALL_CASES)
 HERE = Path(__file__).parent
 HEADER = (
     *("time", "engine.speed", "damper.speed", "clutch1.speed", "clutch2.speed", "output.speed"),
@@ -95,7 +97,7 @@ def main():
         simulation = write_case(known[name], args.out)
         balance = simulation.energy()
         print(f"{name}: {len(simulation.events)} events, energy residual", end=" ")
-        print(f"{balance['residual'] / max(balance['turnover'], 1e-9):.1e} of the engine work")
+        print(f"{balance['residual'] / balance['turnover']:.1e} of the turnover")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,62 @@
+"""The small cases: one clutch behaviour each, 1-4 s, parameters of the preset `paper`."""
+
+from __future__ import annotations
+
+from golden_cases import Case, mm
+from scenarios import Scenario
+
+
+def _scenario(torque, clutch1=((0, 0),), clutch2=((0, 0),), grade=((0, 0),)):
+    """Scenario from knots (t [s], value): torque [N·m], positions [mm], grade [rad]."""
+    return Scenario.from_signals(
+        {
+            "engine.torque": torque,
+            "clutch1.position": mm(*clutch1),
+            "clutch2.position": mm(*clutch2),
+            "road.grade": grade,
+        }
+    )
+
+
+TIE_UP = _scenario(
+    [(0, 5), (1.4, 5), (1.6, 60), (2.4, 60)],
+    [(0, 9), (2.4, 9)],
+    [(0, 0), (0.2, 2.2), (0.4, 9), (1.7, 9), (1.9, 0), (2.4, 0)],
+    [(0, 0.02), (2.4, 0.02)],
+)
+BREAK_AWAY = _scenario([(0, 110), (2, 110)], [(0, 8), (0.3, 8), (0.6, 4.4), (0.9, 4.4), (1.2, 7)])
+OVERRUN = _scenario([(0, -20), (2, -20)], clutch2=[(0, 0), (0.2, 2.2), (0.8, 7), (2, 7)])
+REVERSAL = _scenario([(0, 150), (0.5, 150), (0.6, 20), (2, 20)], [(0, 4.2), (1, 4.2), (1.4, 8)])
+COAST = _scenario([(0, 0), (3, 0)], grade=[(0, 0.06), (3, 0.06)])
+HILL = _scenario(
+    [(0, 0), (0.6, 5), (1, 60), (3.5, 60)],
+    [(0, 0), (0.5, 1.8), (1.4, 6.5), (3.5, 6.5)],
+    grade=[(0, 0.1), (3.5, 0.1)],
+)
+BOTH = _scenario(
+    [(0, 10), (0.6, 90), (2.5, 90)],
+    [(0, 0), (0.2, 2), (0.9, 6), (2.5, 6.4)],
+    [(0, 0), (0.2, 2.2), (0.8, 5), (1.4, 5), (1.7, 1), (2.5, 0)],
+)
+LAUNCH = _scenario([(0, 20), (0.4, 70), (2, 70)], [(0, 0), (0.1, 2), (0.5, 6.4), (2, 6.4)])
+
+_LAUNCH = {"stop": 2.0, "engine_speed": 110.0, "scenario_file": "launch"}
+SMALL_CASES = (
+    Case("tie_up", TIE_UP, 2.4, 9.0, 0.15, about="both clutches close at low speed, stop, reopen"),
+    Case("tie_up_rigid", TIE_UP, 2.4, 9.0, 0.15, rigid=True, about="tie-up of the rigid plant"),
+    Case("break_away", BREAK_AWAY, 2.0, 240.0, 4.0, about="force drops: break-away and re-lock"),
+    Case("overrun", OVERRUN, 2.0, 150.0, 5.0, about="clutch 2 closes below speed: torque < 0"),
+    Case("slip_reversal", REVERSAL, 2.0, 220.0, 4.0, about="slip crosses zero without sticking"),
+    Case("coast_grade", COAST, 3.0, 80.0, 0.8, about="open coast through zero speed, uphill"),
+    Case("hill_start", HILL, 3.5, 130.0, 0.0, about="roll-back on 10 %, then launch"),
+    Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
+    Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),
+    Case("launch_h1", LAUNCH, **_LAUNCH, about="launch, held 1 ms"),
+    Case("launch_h01", LAUNCH, **_LAUNCH, h=1e-4, about="launch, held 0.1 ms"),
+    Case("launch_continuous", LAUNCH, **_LAUNCH, h=None, about="launch, knots as they are"),
+    Case(
+        *("last_step", BREAK_AWAY, 1.0004, 240.0, 4.0),
+        **{"h": 3e-3, "row_every": 3e-3, "scenario_file": "break_away"},
+        about="held 3 ms, the last step is 1.4 ms",
+    ),
+)
