@@ -1,0 +1,74 @@
+//! `cargo xtask demo`: the paper's closed loop for both friction cases, and the report.
+
+use crate::plan::{Failure, Step, execute};
+use crate::setup::Project;
+use std::path::Path;
+use std::process::Command;
+
+/// Result directory under `target/demo`, system file, feedback of the control.
+const RUNS: [(&str, &str, Option<bool>); 6] = [
+    ("paper_case1", "paper_case1", None),
+    ("paper_case2", "paper_case2", None),
+    ("torque_tracking_case1", "torque_tracking_case1", Some(true)),
+    (
+        "torque_tracking_case1_no_feedback",
+        "torque_tracking_case1",
+        Some(false),
+    ),
+    ("torque_tracking_case2", "torque_tracking_case2", Some(true)),
+    (
+        "torque_tracking_case2_no_feedback",
+        "torque_tracking_case2",
+        Some(false),
+    ),
+];
+
+/// The steps of `cargo xtask demo`.
+pub fn steps(project: &Project, open: bool) -> Vec<Step> {
+    let mut steps = vec![project.python_packages(), project.fmus()];
+    steps.extend(RUNS.map(|(name, system, feedback)| {
+        Step::commands(
+            format!("run {name}"),
+            vec![run(project, name, system, feedback)],
+        )
+    }));
+    let project = project.clone();
+    steps.push(Step::new("report", move || report(&project, open)));
+    steps
+}
+
+fn run(project: &Project, name: &str, system: &str, feedback: Option<bool>) -> Command {
+    let file = format!("examples/closed_loop/{system}.toml");
+    let mut command = project.venv("dct-harness", &["run", &file, "--out"]);
+    command.arg(format!("target/demo/{name}"));
+    if let Some(enabled) = feedback {
+        command
+            .arg("--set")
+            .arg(format!("control.feedback.enabled={enabled}"));
+    }
+    command
+}
+
+fn report(project: &Project, open: bool) -> Result<(), Failure> {
+    let mut command = project.venv("dct-harness", &["report", "--out", "target/report"]);
+    command.args(RUNS.map(|(name, ..)| format!("target/demo/{name}")));
+    execute(command)?;
+    let page = Path::new("target/report/index.html");
+    let page = page.canonicalize().map_err(|error| Failure::File {
+        path: page.into(),
+        error,
+    })?;
+    println!("\nopen file://{}", page.display());
+    if open { execute(opener(&page)) } else { Ok(()) }
+}
+
+fn opener(page: &Path) -> Command {
+    let (program, words): (_, &[&str]) = match std::env::consts::OS {
+        "macos" => ("open", &[]),
+        "windows" => ("cmd", &["/c", "start", ""]),
+        _ => ("xdg-open", &[]),
+    };
+    let mut command = Command::new(program);
+    command.args(words).arg(page);
+    command
+}

@@ -1,0 +1,86 @@
+//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | ci`.
+//!
+//! ```text
+//! main (arguments) ──> demo, test, bench: lists of steps ──> plan (runs them, says [3/9] …)
+//!                                  └── setup: system packages, .venv, FMUs
+//! ```
+//!
+//! The standard library is all it uses, so the first command on a fresh machine starts at once.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, clippy::print_stderr)] // talking to people is its purpose
+
+mod bench;
+mod demo;
+mod plan;
+mod setup;
+mod test;
+
+use plan::{Failure, Step};
+use setup::Project;
+use std::process::ExitCode;
+
+const HELP: &str = "\
+cargo xtask COMMAND: the project's chores. Each sets up what it needs by itself.
+
+commands:
+  demo [--open]  build the FMUs, run the paper's closed loop for both friction cases and write
+                 target/report/index.html; --open shows it in a browser
+  test           every check: formatters, linters, Rust tests, docs, Python tests with the FMUs
+                 in fmpy, ecos, libcosim and the fmi crate
+  bench          performance ratios against C FMUs: a table and target/bench/summary.json
+  ci             demo, then test: what a change must pass
+
+set-up (done by every command, kept between runs):
+  .venv          Python packages of tests/requirements.txt; made anew when that file changes
+  target/fmu     the FMUs, by `cargo fmu build`
+  system         chromium, libtbb12, valgrind: by apt-get on Debian as root; elsewhere a missing
+                 one is named with the line that installs it
+
+A step that fails shows the command that repeats it alone.
+
+examples:
+  cargo xtask demo --open
+  cargo fmu build DctPlant            # one FMU only
+  .venv/bin/dct-harness run examples/closed_loop/paper_case1.toml
+  .venv/bin/python -m pytest tests -k importers
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match command(&words) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(what)) => {
+            eprintln!("xtask: {what}\n\n{HELP}");
+            ExitCode::from(2)
+        }
+        Err(failure) => {
+            eprintln!("xtask: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command(words: &[&str]) -> Result<(), Failure> {
+    let project = Project::here()?;
+    match words {
+        ["demo"] => plan::run(demo::steps(&project, false)),
+        ["demo", "--open"] => plan::run(demo::steps(&project, true)),
+        ["test"] => plan::run(test::steps(&project)),
+        ["bench"] => plan::run(bench::steps(&project)),
+        ["ci"] => plan::run(ci(&project)),
+        [] | ["help" | "--help" | "-h"] | [_, "--help" | "-h"] => {
+            print!("{HELP}");
+            Ok(())
+        }
+        _ => Err(Failure::Usage(format!("no command `{}`", words.join(" ")))),
+    }
+}
+
+/// Demo first: what closes the output are the test runners' own summary lines.
+fn ci(project: &Project) -> Vec<Step> {
+    let mut steps = demo::steps(project, false);
+    steps.extend(test::steps(project));
+    steps
+}

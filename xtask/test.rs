@@ -1,0 +1,67 @@
+//! `cargo xtask test`: every check, the quick ones first, pytest and its summary last.
+
+use crate::plan::{Step, execute};
+use crate::setup::{Package, Project};
+use std::process::Command;
+
+/// The closed-loop master is a workspace of its own: its build needs libclang.
+const MASTER: &str = "src/master/Cargo.toml";
+
+/// The steps of `cargo xtask test`.
+pub fn steps(project: &Project) -> Vec<Step> {
+    vec![
+        project.system_packages(&[Package::Chromium, Package::Tbb]),
+        project.python_packages(),
+        Step::commands("formatters: rustfmt, ruff", formatters(project)),
+        Step::commands("linter: ruff", vec![project.venv("ruff", &["check"])]),
+        Step::commands("linter: clippy", vec![clippy(project, &["--workspace"])]),
+        Step::commands("Rust tests", vec![project.cargo(&["test", "--workspace"])]),
+        Step::commands("Rust docs without warnings", vec![docs(project)]),
+        project.fmus(),
+        master(project),
+        Step::commands("Python tests", vec![pytest(project)]),
+    ]
+}
+
+fn formatters(project: &Project) -> Vec<Command> {
+    vec![
+        project.cargo(&["fmt", "--all", "--check"]),
+        project.cargo(&["fmt", "--check", "--manifest-path", MASTER]),
+        project.venv("ruff", &["format", "--check", "--quiet"]),
+    ]
+}
+
+fn clippy(project: &Project, scope: &[&str]) -> Command {
+    let mut command = project.cargo(&["clippy", "--quiet", "--all-targets"]);
+    command.args(scope).args(["--", "-D", "warnings"]);
+    command
+}
+
+fn docs(project: &Project) -> Command {
+    let mut command = project.cargo(&["doc", "--quiet", "--workspace", "--no-deps"]);
+    command.env("RUSTDOCFLAGS", "-D warnings");
+    command
+}
+
+/// Clippy and the tests of `src/master`, with the library that its build needs.
+fn master(project: &Project) -> Step {
+    let project = project.clone();
+    Step::new("closed loop through the fmi crate: src/master", move || {
+        let libclang = project.libclang()?;
+        let scope = ["--manifest-path", MASTER];
+        let mut test = project.cargo(&["test", "--release"]);
+        test.args(scope);
+        for mut command in [clippy(&project, &scope), test] {
+            command.env("LIBCLANG_PATH", &libclang);
+            execute(command)?;
+        }
+        Ok(())
+    })
+}
+
+fn pytest(project: &Project) -> Command {
+    let words = ["-m", "pytest", "tests", "-ra", "-p", "pytest_no_skips"];
+    let mut command = project.venv("python", &words);
+    command.env("PYTHONPATH", "tests"); // where the plugin is
+    command
+}
