@@ -1,0 +1,46 @@
+"""KPIs of a run: estimation errors, torque tracking, shift quality, and their limits.
+
+KPIS.md beside this file lists each with formula, unit and source. A KPI whose signals a run
+does not have is left out, so a supplier's plant without clutch states still gets the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from ..results import Results
+from . import estimation, limits, shift, tracking
+from .registry import KPIS, Kpi
+from .scopes import Phase, load_phases
+from .table import format_table
+from .tracking import compare_feedback
+
+__all__ = ["KPIS", "Kpi", "Phase", "compare_feedback", "compute", "format_table", "load_phases"]
+
+
+def compute(results: Results, run: dict[str, Any]) -> dict[str, Any]:
+    """Compute all KPIs of one run.
+
+    Parameters
+    ----------
+    results
+        Signals in SI units, shape (n,) each.
+    run
+        Content of `run.json`.
+
+    Returns
+    -------
+    dict
+        `phases` (name, start, end [s]); `rows` (kpi, signal, estimate, scope, value, unit), scope
+        being `scenario`, `phase/<name>`, `state/<name>` or the number of a lock-up or shift;
+        `limits` (as rows, with relation, limit, pass); `verdict`.
+    """
+    phases = load_phases(results, run)
+    modules = (estimation, tracking, shift)
+    rows = [row.as_dict() for module in modules for row in module.rows(results, phases)]
+    judged = limits.judge(run, rows)
+    return {
+        "phases": [asdict(phase) for phase in phases], "rows": rows, "limits": judged,
+        "verdict": limits.verdict(run, judged),
+    }  # fmt: skip

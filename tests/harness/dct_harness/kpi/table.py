@@ -1,0 +1,93 @@
+"""KPIs as an aligned table for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from . import registry
+from .estimation import ESTIMATES, TORQUES
+
+UNDEFINED = "–"
+
+
+def number(value: float | None, digits: int) -> str:
+    """Return `value` with `digits` significant digits, never in exponent form below 1e6."""
+    if value is None:
+        return UNDEFINED
+    if value == 0:
+        return "0"
+    if not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.{digits - 1}e}"
+    decimals = max(0, digits - 1 - _exponent(value, digits))
+    return f"{value:.{decimals}f}"
+
+
+def _exponent(value: float, digits: int) -> int:
+    """Return the decimal exponent after rounding to `digits` (9.996 rounds up to 10.0)."""
+    return int(f"{value:.{digits - 1}e}".partition("e")[2])
+
+
+def shown(row: dict[str, Any]) -> str:
+    """Return the formatted value of a row of `kpis.json`, without its unit."""
+    return number(row["value"], registry.BY_KEY[row["kpi"]].digits)
+
+
+def estimation_cells(kpis: dict[str, Any]) -> list[list[str]]:
+    """Return torque, scope, then RMSE, max, % of both estimates, and their ratio, per scope."""
+    values = {(r["signal"], r["scope"], r["kpi"], r["estimate"]): shown(r) for r in kpis["rows"]}
+    places = dict.fromkeys((s, c) for s, c, k, _ in values if k == registry.RMSE.key)
+    columns = [(k.key, e) for e in ESTIMATES
+               for k in (registry.RMSE, registry.MAX_ABS, registry.PERCENT)]  # fmt: skip
+    columns.append((registry.RATIO.key, ""))
+    return [
+        [TORQUES[signal], scope, *(values.get((signal, scope, *c), UNDEFINED) for c in columns)]
+        for signal, scope in places
+    ]
+
+
+def other_cells(kpis: dict[str, Any]) -> list[list[str]]:
+    """Return KPI title, signal, scope, value, unit of all that is no estimation error."""
+    return [
+        [registry.BY_KEY[r["kpi"]].title, r["signal"], r["scope"], shown(r), r["unit"]]
+        for r in kpis["rows"] if not r["kpi"].startswith("estimation.")
+    ]  # fmt: skip
+
+
+def limit_cells(judged: list[dict[str, Any]]) -> list[list[str]]:
+    """Return KPI title, signal, value, limit, verdict of each limit."""
+    return [
+        [registry.BY_KEY[j["kpi"]].title, j["signal"], f"{shown(j)} {j['unit']}",
+         f"{j['relation']} {j['limit']:g} {j['unit']}", "pass" if j["pass"] else "FAIL"]
+        for j in judged
+    ]  # fmt: skip
+
+
+ESTIMATION_HEAD = [
+    "torque", "scope", "obs RMSE", "obs max", "obs %", "map RMSE", "map max", "map %", "map/obs"
+]  # fmt: skip
+OTHER_HEAD = ["KPI", "signal", "scope", "value", "unit"]
+LIMIT_HEAD = ["limit on", "signal", "value", "limit", "verdict"]
+
+
+def format_table(kpis: dict[str, Any]) -> str:
+    """Return all KPIs of `compute` as aligned text: estimates [N·m, %], the rest, the limits."""
+    parts = [
+        _aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1),
+        _aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
+        _aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (2, 3)),
+        f"verdict: {kpis['verdict']}",
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _aligned(head: list[str], rows: list[list[str]], right: Callable[[int], bool]) -> str:
+    if not rows:
+        return ""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+
+    def line(cells: list[str]) -> str:
+        pairs = enumerate(zip(cells, widths, strict=True))
+        return "  ".join(c.rjust(w) if right(k) else c.ljust(w) for k, (c, w) in pairs).rstrip()
+
+    return "\n".join([line(head), line(["-" * w for w in widths]), *map(line, rows)])
