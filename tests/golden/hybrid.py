@@ -106,11 +106,11 @@ class Simulation:
     def _resolve(self, time, offset, broken=None, reached=None):
         """Modes valid just after `time`; `broken` may not stick, `reached` has zero slip."""
         slip = self.plant.slip @ self.x
-        _, force, _ = self._inputs(np.array([offset, self.piece.duration]))
+        _, force, _ = self._inputs(0.5 * (offset + self.piece.duration))  # linear: >= 0 at its ends
         choices = []
         for i in range(2):
             at_zero = self.mode[i] == ENGAGED or i == reached or abs(slip[i]) <= ZERO_SLIP
-            if max(force[i]) <= 0:
+            if force[i] <= 0:
                 choices.append((OPEN,))
             elif at_zero:
                 choices.append((1, -1) if i == broken else (ENGAGED, 1, -1))

@@ -27,6 +27,11 @@ TIE_UP = _scenario(
 BREAK_AWAY = _scenario([(0, 110), (2, 110)], [(0, 8), (0.3, 8), (0.6, 4.4), (0.9, 4.4), (1.2, 7)])
 OVERRUN = _scenario([(0, -20), (2, -20)], clutch2=[(0, 0), (0.2, 2.2), (0.8, 7), (2, 7)])
 REVERSAL = _scenario([(0, 150), (0.5, 150), (0.6, 20), (2, 20)], [(0, 4.2), (1, 4.2), (1.4, 8)])
+THROUGH_ZERO = _scenario(  # clutch 2 lets go at once; the wound damper throws slip 1 across zero
+    [(0, 75), (0.25, 75), (0.4, 20), (1.5, 20)],
+    [(0, 3.4), (0.6, 3.4), (1.2, 8)],
+    [(0, 6.5), (0.2, 6.5), (0.2005, 0), (1.5, 0)],
+)
 COAST = _scenario([(0, 0), (3, 0)], grade=[(0, 0.06), (3, 0.06)])
 HILL = _scenario(
     [(0, 0), (0.6, 5), (1, 60), (3.5, 60)],
@@ -46,7 +51,16 @@ SMALL_CASES = (
     Case("tie_up_rigid", TIE_UP, 2.4, 9.0, 0.15, rigid=True, about="tie-up of the rigid plant"),
     Case("break_away", BREAK_AWAY, 2.0, 240.0, 4.0, about="force drops: break-away and re-lock"),
     Case("overrun", OVERRUN, 2.0, 150.0, 5.0, about="clutch 2 closes below speed: torque < 0"),
-    Case("slip_reversal", REVERSAL, 2.0, 220.0, 4.0, about="slip crosses zero without sticking"),
+    Case("slip_reversal", REVERSAL, 2.0, 220.0, 4.0, about="lock, slip the other way, re-lock"),
+    Case(
+        *("slip_through_zero", THROUGH_ZERO, 1.5, 236.0, 4.0),
+        about="slip crosses zero without sticking",
+    ),
+    Case(
+        *("slip_returns_h10", THROUGH_ZERO, 1.5, 234.0, 4.0),
+        **{"h": 1e-2, "row_every": 1e-2, "scenario_file": "slip_through_zero"},
+        about="held 10 ms: slip crosses zero and returns within one step",
+    ),
     Case("coast_grade", COAST, 3.0, 80.0, 0.8, about="open coast through zero speed, uphill"),
     Case("hill_start", HILL, 3.5, 130.0, 0.0, about="roll-back on 10 %, then launch"),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
