@@ -190,6 +190,7 @@ class Run:
             "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
             "status": "partial" if error else "complete", "error": str(error) if error else None,
             "fmus": self.identities, "events": self.events(),
+            "wiring": [{"from": s, "to": t} for t, s in self.sources.items()],
             "log": sorted(log, key=lambda m: m["time"]),
             "wall_time": {n: f.wall_time for n, f in self.fmus.items()},
         }  # fmt: skip

@@ -1,0 +1,118 @@
+"""Report of runs: one self-contained HTML page, and a static picture.
+
+The page holds plotly.js, its data and its style; it asks the network for nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from .. import __version__, results
+from ..kpi import KPIS
+from . import cells, diagram, downsample, figures, runs
+from .picture import picture
+from .runs import View
+
+__all__ = ["picture", "write"]
+
+PAGE = "index.html"
+
+
+def write(run_dirs: Sequence[str | Path], out_dir: str | Path, title: str) -> Path:
+    """Write `index.html` about result directories.
+
+    Parameters
+    ----------
+    run_dirs
+        Directories with `results.csv` and `run.json`; any subset of runs will do. Runs of one
+        system with and without feedback are compared.
+    out_dir
+        Made when it does not exist.
+    title
+        Heading of the page.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    ConfigError
+        A directory holds no complete run.
+    """
+    views = runs.load(run_dirs)
+    page = Path(out_dir) / PAGE
+    page.parent.mkdir(parents=True, exist_ok=True)
+    results.write_text(page, _environment().get_template("page.html.j2").render(
+        _context(views, title)
+    ))  # fmt: skip
+    return page
+
+
+def _environment() -> jinja2.Environment:
+    loader = jinja2.PackageLoader(__package__, "page")
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+
+    def raw(name: str) -> Markup:
+        return Markup(loader.get_source(environment, name)[0])
+
+    environment.globals.update(raw=raw, plotly=lambda: Markup(get_plotlyjs()))
+    return environment
+
+
+def _context(views: list[View], title: str) -> dict[str, Any]:
+    """Return all that the template shows."""
+    pairs = runs.pairs(views)
+    paired = {id(v) for pair in pairs for v in (pair.closed, pair.opened)}
+    alone = [v for v in views if id(v) not in paired]
+    verdict, judged = runs.overall(views, pairs)
+    sections = [_section(v, alone[:k]) for k, v in enumerate(alone)]
+    compared = [{"pair": p, "figure": figures.of_pair(p)} for p in pairs]
+    energy = figures.energy(views)
+    drawn = [f for s in sections for f in s["figures"]]
+    drawn += [c["figure"] for c in compared if c["figure"]] + ([energy] if energy else [])
+    largest = max(views, key=lambda v: len(v.run.get("system", {}).get("components", {})))
+    return {
+        "title": title, "views": views, "verdict": verdict, "sections": sections,
+        "compared": compared, "energy": energy, "figures": drawn, "cells": cells,
+        "limits": cells.limit_rows(judged), "diagram": diagram.layout(largest.run),
+        "diagram_of": largest, "phases": _phases(views), "kpis": KPIS,
+        "parameters": cells.parameters(views), "identities": cells.identities(views),
+        "bins": downsample.BINS, "version": __version__,
+    }  # fmt: skip
+
+
+def _phases(views: list[View]) -> list[dict[str, Any]]:
+    """Return the phases of the first run that has any, for the zoom menu."""
+    return next((v.kpis["phases"] for v in views if v.kpis["phases"]), [])
+
+
+def _section(view: View, earlier: list[View]) -> dict[str, Any]:
+    """Return a run with its figures; a driveline already shown is referred to."""
+    twin = next((e for e in earlier if _same_plant(view, e)), None)
+    makers = (figures.torques, figures.friction, figures.track)
+    made = [figure for make in makers if (figure := make(view)) is not None]
+    if twin is None and (first := figures.driveline(view)) is not None:
+        made.insert(0, first)
+    return {"view": view, "figures": made, "twin": twin}
+
+
+def _same_plant(a: View, b: View) -> bool:
+    """Return whether the plants of two runs did exactly the same."""
+    names = [n for n in a.results.signals if n.startswith(("plant.", "scenario.", "control."))]
+    if names != [n for n in b.results.signals if n.startswith(("plant.", "scenario.", "control."))]:
+        return False
+    return all(
+        a.results[n].shape == b.results[n].shape and (a.results[n] == b.results[n]).all()
+        for n in names
+    )

@@ -1,0 +1,212 @@
+// Draws the figures of <script id="figures"> with plotly.js: theme from CSS, zoom shared by all.
+(() => {
+  "use strict";
+  const specs = JSON.parse(document.getElementById("figures").textContent);
+  const menu = document.getElementById("zoom");
+  const MARKS = { slipping: "triangle-up", engaged: "circle", disengaged: "triangle-down-open" };
+  const STYLES = {
+    truth: { width: 2.6 }, map: { width: 1.6, dash: "dash" }, observer: { width: 1.5 },
+    closed: { width: 1.6 }, opened: { width: 1.5, dash: "dash" },
+  };
+  const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40 };
+  const CONFIG = {
+    responsive: true, displaylogo: false, scrollZoom: false, doubleClick: false,
+    modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "resetScale2d"],
+  };
+  let range = null; // shared time window [s], null for the whole scenario
+  let sharing = false;
+
+  const colour = (name) =>
+    getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+  function axisNames(k) {
+    const suffix = k === 0 ? "" : String(k + 1);
+    return { x: `x${suffix}`, y: `y${suffix}`, xaxis: `xaxis${suffix}`, yaxis: `yaxis${suffix}` };
+  }
+
+  // Panels row by row; returns for each its domain in paper units and whether it is lowest.
+  function place(spec) {
+    const rows = Math.ceil(spec.panels.length / spec.columns);
+    const height = spec.height - PIXELS.top - PIXELS.bottom;
+    const gap = (spec.columns > 1 ? PIXELS.heading : PIXELS.gap) / height;
+    const weights = Array.from({ length: rows }, (_, r) => spec.panels[r * spec.columns].weight ?? 1);
+    const unit = (1 - gap * (rows - 1)) / weights.reduce((a, b) => a + b, 0);
+    const across = spec.columns > 1 ? 0.07 : 0;
+    const width = (1 - across * (spec.columns - 1)) / spec.columns;
+    let top = 1;
+    const bands = weights.map((weight) => {
+      const band = [Math.max(0, top - weight * unit), Math.min(1, top)];
+      top -= weight * unit + gap;
+      return band;
+    });
+    return spec.panels.map((_, k) => {
+      const column = k % spec.columns;
+      const left = column * (width + across);
+      const lowest = k + spec.columns >= spec.panels.length;
+      return { y: bands[Math.floor(k / spec.columns)], x: [left, Math.min(1, left + width)], lowest };
+    });
+  }
+
+  function traceOf(raw, k, seen, legend) {
+    const names = axisNames(k);
+    const common = { x: raw.x, y: raw.y, xaxis: names.x, yaxis: names.y, name: raw.name };
+    if (raw.role === "event") {
+      return { ...common, mode: "markers", type: "scatter", text: raw.text, showlegend: false,
+        hovertemplate: "%{text}<br>t = %{x:.3f} s<extra></extra>",
+        marker: { symbol: raw.to.map((s) => MARKS[s] ?? "diamond"), size: 8, color: colour("ink"),
+          line: { width: 1.2, color: colour("paper") } } };
+    }
+    const first = legend && !seen.has(raw.name);
+    seen.add(raw.name);
+    return { ...common, mode: "lines", type: "scatter", showlegend: first, legendgroup: raw.name,
+      line: { width: 1.6, ...STYLES[raw.role], color: colour(raw.role) },
+      hovertemplate: "%{y:.4g}" };
+  }
+
+  function shadesOf(panel, k) {
+    const names = axisNames(k);
+    return (panel.shades ?? []).filter((s) => s.solid || s.state !== "disengaged").map((s) => ({
+      type: "rect", layer: "below", xref: names.x, yref: `${names.y} domain`, line: { width: 0 },
+      x0: s.x0, x1: s.x1, y0: s.y0, y1: s.y1,
+      fillcolor: colour(s.state), opacity: s.solid ? 0.85 : Number(colour("tint")),
+    }));
+  }
+
+  function phasesOf(spec) {
+    const lines = spec.phases.map((p) => ({
+      type: "line", layer: "below", xref: "x", yref: "paper", x0: p.start, x1: p.start, y0: 0, y1: 1,
+      line: { width: 1, dash: "dot", color: colour("quiet") },
+    }));
+    const labels = spec.phases.map((p) => ({
+      text: p.name, xref: "x", yref: "paper", x: (p.start + p.end) / 2, y: 1, yanchor: "bottom",
+      showarrow: false, font: { size: 11, color: colour("quiet") },
+    }));
+    return { lines, labels };
+  }
+
+  function headingsOf(spec, places) {
+    return spec.panels.map((panel, k) => [panel, places[k]]).filter(([panel]) => panel.heading)
+      .map(([panel, at]) => ({
+        text: panel.heading, xref: "paper", yref: "paper", x: at.x[0], y: at.y[1],
+        xanchor: "left", yanchor: "bottom", showarrow: false, font: { size: 12 },
+      }));
+  }
+
+  function axesOf(spec, places) {
+    const axes = {};
+    const look = { gridcolor: colour("grid"), linecolor: colour("line"), zeroline: false,
+      showline: true, title: { standoff: 6, font: { size: 12 } } };
+    spec.panels.forEach((panel, k) => {
+      const names = axisNames(k);
+      const at = places[k];
+      axes[names.xaxis] = { ...look, domain: at.x, anchor: names.y, matches: k ? "x" : undefined,
+        showticklabels: at.lowest, range: range ?? undefined, autorange: range === null,
+        title: { ...look.title, text: at.lowest ? "time [s]" : "" }, hoverformat: ".3f",
+        ticksuffix: "", rangemode: "normal" };
+      axes[names.yaxis] = { ...look, domain: at.y, anchor: names.x, fixedrange: Boolean(panel.ticks),
+        title: { ...look.title, text: panel.ticks ? "" : panel.title }, nticks: 6,
+        zeroline: !panel.ticks, zerolinecolor: colour("line") };
+      if (panel.ticks) {
+        Object.assign(axes[names.yaxis], { tickvals: panel.ticks.vals, ticktext: panel.ticks.text,
+          range: panel.ticks.range, showgrid: false });
+      }
+    });
+    return axes;
+  }
+
+  function figureOf(spec) {
+    const places = place(spec);
+    const seen = new Set();
+    const legend = spec.legend !== false;
+    const data = spec.panels.flatMap((p, k) => p.traces.map((t) => traceOf(t, k, seen, legend)));
+    const phases = phasesOf(spec);
+    const plotHeight = spec.height - PIXELS.top - PIXELS.bottom;
+    const layout = {
+      ...axesOf(spec, places), height: spec.height, hovermode: "x unified", dragmode: "zoom",
+      paper_bgcolor: colour("paper"), plot_bgcolor: colour("paper"),
+      font: { color: colour("ink"), size: 12, family: getComputedStyle(document.body).fontFamily },
+      margin: { l: PIXELS.left, r: PIXELS.right, t: PIXELS.top, b: PIXELS.bottom },
+      shapes: [...spec.panels.flatMap(shadesOf), ...phases.lines],
+      annotations: [...phases.labels, ...headingsOf(spec, places)],
+      legend: { orientation: "h", x: 0, y: 1 + 20 / plotHeight, yanchor: "bottom",
+        bgcolor: "rgba(0,0,0,0)" },
+      hoverlabel: { bgcolor: colour("faint"), font: { color: colour("ink") } },
+      modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("quiet"), activecolor: colour("ink") },
+    };
+    return { data, layout };
+  }
+
+  function view(window) {
+    return window ? { "xaxis.range": [...window] } : { "xaxis.autorange": true };
+  }
+
+  // Give every drawn figure the shared window; the one that started it has it already.
+  async function share(window, source) {
+    range = window;
+    const value = window ? `${window[0]},${window[1]}` : "";
+    menu.value = value;
+    if (menu.value !== value) menu.value = "custom";
+    sharing = true;
+    try {
+      for (const spec of specs) {
+        const div = document.getElementById(spec.id);
+        if (div !== source && div.data) await Plotly.relayout(div, view(window));
+      }
+    } finally {
+      sharing = false;
+    }
+  }
+
+  function onRelayout(div, change) {
+    if (sharing) return;
+    const key = Object.keys(change).find((k) => /^xaxis\d*\.(range\[0\]|range|autorange)$/.test(k));
+    if (!key) return;
+    const now = div._fullLayout.xaxis;
+    share(key.endsWith("autorange") ? null : [...now.range], div);
+  }
+
+  function onKey(div, event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target !== div) return;
+    const [a, b] = div._fullLayout.xaxis.range;
+    const span = b - a;
+    const moves = {
+      ArrowLeft: [a - span / 10, b - span / 10], ArrowRight: [a + span / 10, b + span / 10],
+      "+": [a + span / 8, b - span / 8], "=": [a + span / 8, b - span / 8],
+      "-": [a - span / 6, b + span / 6], 0: null, Home: null,
+    };
+    if (!(event.key in moves)) return;
+    event.preventDefault();
+    share(moves[event.key], null);
+  }
+
+  async function draw(spec) {
+    const div = document.getElementById(spec.id);
+    const { data, layout } = figureOf(spec);
+    await Plotly.newPlot(div, data, layout, CONFIG);
+    div.on("plotly_relayout", (change) => onRelayout(div, change));
+    div.on("plotly_doubleclick", () => share(null, null));
+    div.addEventListener("keydown", (event) => onKey(div, event));
+  }
+
+  async function drawAll() {
+    for (const spec of specs) {
+      await new Promise((resume) => setTimeout(resume)); // let the page scroll between figures
+      await draw(spec);
+    }
+    document.documentElement.dataset.figures = "drawn";
+  }
+
+  async function retheme() {
+    for (const spec of specs) {
+      const div = document.getElementById(spec.id);
+      const { data, layout } = figureOf(spec);
+      if (div.data) await Plotly.react(div, data, layout, CONFIG);
+    }
+  }
+
+  menu.addEventListener("change", () => {
+    share(menu.value ? menu.value.split(",").map(Number) : null, null);
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", retheme);
+  drawAll();
+})();

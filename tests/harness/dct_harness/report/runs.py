@@ -1,0 +1,123 @@
+"""A run as the report sees it: results, KPIs, labels, clutch states, partner run."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import kpi
+from ..kpi import limits, tracking
+from ..kpi.scopes import STATES, clutch_state
+from ..results import Results
+from ..results import load as load_results
+
+PAPER_FIGURES = {"paper_case1": ("10", "11"), "paper_case2": ("12", "13")}
+
+
+@dataclass(frozen=True)
+class View:
+    """One run; `slug` is unique on the page and safe as an HTML id."""
+
+    results: Results
+    kpis: dict[str, Any]
+    slug: str
+
+    @property
+    def run(self) -> dict[str, Any]:
+        """Content of `run.json`."""
+        return self.results.run
+
+    @property
+    def name(self) -> str:
+        """Name of the system, the same for runs that differ by an override."""
+        return self.run.get("system", {}).get("name", self.slug)
+
+    @cached_property
+    def feedback(self) -> bool | None:
+        """Whether the control used the estimates; None without a control."""
+        return tracking.feedback(self.results)
+
+    @property
+    def title(self) -> str:
+        """Title of the system, with the feedback where there is a control."""
+        base = self.run.get("system", {}).get("title", self.name)
+        words = {True: ", with feedback", False: ", without feedback", None: ""}
+        return base + words[self.feedback]
+
+    @property
+    def paper_figures(self) -> tuple[str, str] | None:
+        """Numbers of the paper's torque and friction figures that this run redoes."""
+        return PAPER_FIGURES.get(self.name)
+
+    def spans(self, clutch: str) -> list[dict[str, Any]]:
+        """Return stretches of one clutch state: x0, x1 [s], state; empty if not known."""
+        state = clutch_state(self.results, clutch)
+        if state is None or not len(state):
+            return []
+        time = self.results.time
+        starts = np.concatenate([[0], np.flatnonzero(np.diff(state)) + 1])
+        ends = np.concatenate([starts[1:], [len(state) - 1]])
+        return [
+            {"x0": float(time[a]), "x1": float(time[b]), "state": STATES[int(state[a])]}
+            for a, b in zip(starts, ends, strict=True) if int(state[a]) in STATES
+        ]  # fmt: skip
+
+    def changes(self, clutch: str) -> list[tuple[int, str]]:
+        """Return sample and sentence of each change of a clutch state."""
+        spans = self.spans(clutch)
+        found = []
+        for before, after in itertools.pairwise(spans):
+            k = int(np.searchsorted(self.results.time, after["x0"]))
+            found.append((k, f"{clutch}: {before['state']} → {after['state']}"))
+        return found
+
+
+@dataclass(frozen=True)
+class Pair:
+    """The same torque-tracking system with and without feedback."""
+
+    closed: View
+    opened: View
+
+    @cached_property
+    def rows(self) -> list[dict[str, Any]]:
+        """KPIs that need both runs."""
+        return kpi.compare_feedback(self.closed.kpis, self.opened.kpis)
+
+    @cached_property
+    def limits(self) -> list[dict[str, Any]]:
+        """Limits on those KPIs."""
+        return limits.judge(self.closed.run, self.rows) if self.rows else []
+
+
+def load(run_dirs: Sequence[str | Path]) -> list[View]:
+    """Load result directories in the given order and compute their KPIs."""
+    views: list[View] = []
+    for directory in run_dirs:
+        results = load_results(directory)
+        base = re.sub(r"[^a-z0-9]+", "-", Path(directory).name.lower()).strip("-") or "run"
+        views.append(View(results, kpi.compute(results, results.run), f"{len(views) + 1}-{base}"))
+    return views
+
+
+def pairs(views: list[View]) -> list[Pair]:
+    """Return each run with feedback beside the run of the same system without."""
+    opened = {v.name: v for v in views if v.feedback is False}
+    return [Pair(v, opened[v.name]) for v in views if v.feedback and v.name in opened]
+
+
+def overall(views: list[View], paired: list[Pair]) -> tuple[str, list[tuple[View, dict]]]:
+    """Return the verdict over all runs, and every limit with the run it judges."""
+    judged = [(v, limit) for v in views for limit in v.kpis["limits"]]
+    judged += [(p.closed, limit) for p in paired for limit in p.limits]
+    verdicts = [v.kpis["verdict"] for v in views]
+    if "fail" in verdicts or any(not limit["pass"] for _, limit in judged):
+        return "fail", judged
+    return ("pass" if judged else "not judged"), judged
