@@ -1,0 +1,1 @@
+//! Describes, builds and checks FMUs.

@@ -1,0 +1,2 @@
+//! Describes, builds and checks FMUs.
+fn main() {}

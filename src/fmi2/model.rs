@@ -1,0 +1,142 @@
+//! What a model author writes: a struct, its table of rows, how it starts and how it steps.
+
+use crate::Variable;
+use core::fmt;
+
+/// A model that the shell turns into an FMI 2.0 co-simulation FMU.
+///
+/// The struct holds everything the model knows: parameters, inputs, states, outputs. `Default` is
+/// the model at its start values; those are the ones the model description shows. `Clone` is a saved
+/// FMU state, so it must be cheap and must copy everything that `step` reads. None of the methods
+/// may print, open files, spawn threads or touch process-wide settings, and `step` and
+/// `update_outputs` may not allocate.
+pub trait Model: Clone + Default + Send + 'static {
+    /// `modelName` and `modelIdentifier`: a C identifier, e.g. `DctPlant`.
+    const NAME: &'static str;
+    /// One sentence for the model description.
+    const DESCRIPTION: &'static str;
+    /// The one table everything else is derived from. A row's index is its value reference.
+    const VARIABLES: &'static [Variable<Self>];
+    /// `DefaultExperiment` of the model description.
+    const EXPERIMENT: Experiment;
+
+    /// Computes the initial state and outputs from parameters, inputs and start values.
+    ///
+    /// `time` is the start time [s]. May be called more than once before the first step (an importer
+    /// may read outputs in initialisation mode between sets), so it must not depend on what an
+    /// earlier call left in the state.
+    fn initialize(&mut self, time: f64, log: &mut Log<'_>) -> Result<(), Failure>;
+
+    /// Advances from `time` to `time + step` [s] with the inputs held (plus their rates, where the
+    /// rows have one), and computes all outputs. `step` is finite and > 0.
+    fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure>;
+
+    /// Recomputes the outputs that depend directly on inputs or tunable parameters.
+    ///
+    /// The shell calls it when an importer reads after it has set, without a step in between.
+    fn update_outputs(&mut self) {}
+
+    /// Visits every field that is neither a variable of the table nor derived from one: the
+    /// hidden state. It is written to and read from serialised FMU states in this order.
+    fn hidden_state(&mut self, fields: &mut dyn StateFields);
+
+    /// Called after a serialised state was read back: rebuild what is derived from parameters.
+    fn restored(&mut self) {}
+}
+
+/// The experiment an importer is offered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Experiment {
+    /// Start time [s].
+    pub start: f64,
+    /// Stop time [s].
+    pub stop: f64,
+    /// Communication step [s].
+    pub step: f64,
+}
+
+/// Visits the hidden state of a model: one method for writing, reading and counting.
+pub trait StateFields {
+    /// A real; bit for bit, NaN included.
+    fn real(&mut self, value: &mut f64);
+    /// An integer.
+    fn integer(&mut self, value: &mut i32);
+    /// A boolean.
+    fn boolean(&mut self, value: &mut bool);
+
+    /// Several reals.
+    fn reals(&mut self, values: &mut [f64]) {
+        values.iter_mut().for_each(|value| self.real(value));
+    }
+}
+
+/// Where a model's messages go: the importer's logger, if it wants them.
+pub struct Log<'a> {
+    sink: &'a mut dyn FnMut(Category, fmt::Arguments<'_>),
+}
+
+impl<'a> Log<'a> {
+    /// A log that hands every message to `sink`.
+    pub fn new(sink: &'a mut dyn FnMut(Category, fmt::Arguments<'_>)) -> Self {
+        Self { sink }
+    }
+
+    /// Something that happened in the model, e.g. a clutch that locked up.
+    pub fn event(&mut self, message: fmt::Arguments<'_>) {
+        (self.sink)(Category::Event, message);
+    }
+
+    /// Something the user should look at though the run goes on.
+    pub fn warning(&mut self, message: fmt::Arguments<'_>) {
+        (self.sink)(Category::Warning, message);
+    }
+}
+
+/// Log categories, as in `LogCategories` of the model description.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Category {
+    /// `logEvents`.
+    Event,
+    /// `logStatusWarning`: a remark; the status of the call stays OK.
+    Warning,
+    /// `logStatusDiscard`.
+    Discard,
+    /// `logStatusError`.
+    Error,
+    /// `logStatusFatal`.
+    Fatal,
+}
+
+/// Why a model could not initialise or step; the text is what the importer's log shows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Failure {
+    /// The values of two or more variables contradict each other, or one is unusable. fmi2Error.
+    Invalid {
+        /// Name of the variable to blame.
+        variable: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is wrong and what would be right, e.g. `must be above clutch1.map.position[1]`.
+        remedy: &'static str,
+    },
+    /// The solution became unusable (not finite). fmi2Error.
+    Diverged {
+        /// Name of the variable that left the realm of numbers.
+        variable: &'static str,
+        /// Time at which it was seen [s].
+        time: f64,
+    },
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Invalid { variable, value, remedy } => write!(f, "{variable} = {value} {remedy}"),
+            Self::Diverged { variable, time } => {
+                write!(f, "{variable} is no longer finite at t = {time} s")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Failure {}

@@ -1,0 +1,322 @@
+//! The row: everything the shell and the packager know of one variable, written once.
+//!
+//! ```
+//! use fmi2_cosim::{Unit, Variable};
+//!
+//! #[derive(Default)]
+//! struct Tank { inflow: f64, level: f64, area: f64 }
+//!
+//! const VARIABLES: &[Variable<Tank>] = &[
+//!     Variable::input("inflow", Unit::ONE, |m: &mut Tank| &mut m.inflow, "Inflow").min(0.0),
+//!     Variable::parameter("area", Unit::SQUARE_METRE, |m: &mut Tank| &mut m.area, "Base area"),
+//!     Variable::output("level", Unit::METRE, |m: &mut Tank| &mut m.level, "Level").depends_on(&[]),
+//! ];
+//! # assert_eq!(VARIABLES[2].name, "level");
+//! ```
+
+use crate::Unit;
+
+/// How the shell reaches a variable of model `M`, and its FMI type.
+pub enum Access<M> {
+    /// `fmi2Real`.
+    Real(fn(&mut M) -> &mut f64),
+    /// `fmi2Integer`.
+    Integer(fn(&mut M) -> &mut i32),
+    /// `fmi2Boolean`.
+    Boolean(fn(&mut M) -> &mut bool),
+    /// `fmi2Integer` at the ABI, `Enumeration` in the description.
+    Enumeration(fn(&mut M) -> &mut i32, &'static Enumeration),
+}
+
+impl<M> Clone for Access<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for Access<M> {}
+
+/// An enumeration type of the model description.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Enumeration {
+    /// Type name, e.g. `ClutchState`.
+    pub name: &'static str,
+    /// What it tells.
+    pub description: &'static str,
+    /// Its values; unique, ascending.
+    pub items: &'static [Item],
+}
+
+/// One value of an [`Enumeration`].
+#[derive(Debug, PartialEq, Eq)]
+pub struct Item {
+    /// Name, e.g. `slipping`.
+    pub name: &'static str,
+    /// Value at the ABI.
+    pub value: i32,
+    /// What it means.
+    pub description: &'static str,
+}
+
+/// FMI's `causality`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Causality {
+    /// Set by the importer before or, when tunable, during the run.
+    Parameter,
+    /// Set by the importer at every communication point.
+    Input,
+    /// Computed by the model for other models.
+    Output,
+    /// Computed by the model for people.
+    Local,
+}
+
+/// FMI's `variability`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variability {
+    /// Never changes after initialisation.
+    Fixed,
+    /// A parameter that may change at communication points.
+    Tunable,
+    /// Changes at communication points only.
+    Discrete,
+    /// Changes all the time.
+    Continuous,
+}
+
+/// FMI's `initial`. Inputs have none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Initial {
+    /// The start value is the initial value.
+    Exact,
+    /// Computed from others in initialisation mode.
+    Calculated,
+}
+
+/// A row of the table: name, roles, unit, limits, dependencies, and where the value lives.
+pub struct Variable<M: 'static> {
+    /// Structured name, e.g. `clutch1.position`.
+    pub name: &'static str,
+    /// One sentence with the symbol and equation number.
+    pub description: &'static str,
+    /// Role.
+    pub causality: Causality,
+    /// When it may change.
+    pub variability: Variability,
+    /// Unit of a Real.
+    pub unit: Unit,
+    /// Smallest legal value.
+    pub min: Option<f64>,
+    /// Largest legal value.
+    pub max: Option<f64>,
+    /// Typical magnitude, for importers that scale.
+    pub nominal: Option<f64>,
+    /// Outputs: names of the inputs it depends on directly at a communication point.
+    pub dependencies: Option<&'static [&'static str]>,
+    /// Outputs and locals: names of the inputs and parameters that its initial value depends on;
+    /// `None`: on all of them.
+    pub initial_dependencies: Option<&'static [&'static str]>,
+    /// The value.
+    pub access: Access<M>,
+    /// Inputs: where the first time derivative goes (`fmi2SetRealInputDerivatives`).
+    pub rate: Option<fn(&mut M) -> &mut f64>,
+    /// Outputs: where the first time derivative is read (`fmi2GetRealOutputDerivatives`).
+    pub slope: Option<fn(&mut M) -> &mut f64>,
+}
+
+impl<M> Clone for Variable<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for Variable<M> {}
+
+impl<M> Variable<M> {
+    const fn new(
+        name: &'static str,
+        description: &'static str,
+        causality: Causality,
+        variability: Variability,
+        access: Access<M>,
+    ) -> Self {
+        Self {
+            name,
+            description,
+            causality,
+            variability,
+            unit: Unit::ONE,
+            min: None,
+            max: None,
+            nominal: None,
+            dependencies: None,
+            initial_dependencies: None,
+            access,
+            rate: None,
+            slope: None,
+        }
+    }
+
+    /// A Real input, continuous.
+    pub const fn input(
+        name: &'static str,
+        unit: Unit,
+        field: fn(&mut M) -> &mut f64,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Real(field);
+        Self::new(name, description, Causality::Input, Variability::Continuous, access).unit(unit)
+    }
+
+    /// An Integer input, discrete.
+    pub const fn integer_input(
+        name: &'static str,
+        field: fn(&mut M) -> &mut i32,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Integer(field);
+        Self::new(name, description, Causality::Input, Variability::Discrete, access)
+    }
+
+    /// A Boolean input, discrete.
+    pub const fn boolean_input(
+        name: &'static str,
+        field: fn(&mut M) -> &mut bool,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Boolean(field);
+        Self::new(name, description, Causality::Input, Variability::Discrete, access)
+    }
+
+    /// A Real parameter, fixed.
+    pub const fn parameter(
+        name: &'static str,
+        unit: Unit,
+        field: fn(&mut M) -> &mut f64,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Real(field);
+        Self::new(name, description, Causality::Parameter, Variability::Fixed, access).unit(unit)
+    }
+
+    /// A Boolean parameter, fixed.
+    pub const fn boolean_parameter(
+        name: &'static str,
+        field: fn(&mut M) -> &mut bool,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Boolean(field);
+        Self::new(name, description, Causality::Parameter, Variability::Fixed, access)
+    }
+
+    /// An Enumeration parameter, fixed.
+    pub const fn enumeration_parameter(
+        name: &'static str,
+        kind: &'static Enumeration,
+        field: fn(&mut M) -> &mut i32,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Enumeration(field, kind);
+        Self::new(name, description, Causality::Parameter, Variability::Fixed, access)
+    }
+
+    /// A Real output, continuous.
+    pub const fn output(
+        name: &'static str,
+        unit: Unit,
+        field: fn(&mut M) -> &mut f64,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Real(field);
+        Self::new(name, description, Causality::Output, Variability::Continuous, access).unit(unit)
+    }
+
+    /// A Boolean output, discrete.
+    pub const fn boolean_output(
+        name: &'static str,
+        field: fn(&mut M) -> &mut bool,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Boolean(field);
+        Self::new(name, description, Causality::Output, Variability::Discrete, access)
+    }
+
+    /// An Enumeration output, discrete.
+    pub const fn enumeration_output(
+        name: &'static str,
+        kind: &'static Enumeration,
+        field: fn(&mut M) -> &mut i32,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Enumeration(field, kind);
+        Self::new(name, description, Causality::Output, Variability::Discrete, access)
+    }
+
+    const fn unit(mut self, unit: Unit) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// Smallest legal value, in the variable's unit.
+    pub const fn min(mut self, min: f64) -> Self {
+        self.min = Some(min);
+        self
+    }
+
+    /// Largest legal value, in the variable's unit.
+    pub const fn max(mut self, max: f64) -> Self {
+        self.max = Some(max);
+        self
+    }
+
+    /// Typical magnitude, in the variable's unit.
+    pub const fn nominal(mut self, nominal: f64) -> Self {
+        self.nominal = Some(nominal);
+        self
+    }
+
+    /// Makes a parameter tunable: it may be set at communication points too.
+    pub const fn tunable(mut self) -> Self {
+        self.variability = Variability::Tunable;
+        self
+    }
+
+    /// Makes an output a local variable: shown to people, not offered for connection.
+    pub const fn local(mut self) -> Self {
+        self.causality = Causality::Local;
+        self
+    }
+
+    /// The inputs an output depends on directly; `&[]`: on states only.
+    pub const fn depends_on(mut self, names: &'static [&'static str]) -> Self {
+        self.dependencies = Some(names);
+        self
+    }
+
+    /// The inputs and parameters that an output's initial value depends on.
+    pub const fn initially_depends_on(mut self, names: &'static [&'static str]) -> Self {
+        self.initial_dependencies = Some(names);
+        self
+    }
+
+    /// Where an input's first time derivative is stored: the importer may give it.
+    pub const fn rate(mut self, field: fn(&mut M) -> &mut f64) -> Self {
+        self.rate = Some(field);
+        self
+    }
+
+    /// Where an output's first time derivative is found: the importer may ask for it.
+    pub const fn slope(mut self, field: fn(&mut M) -> &mut f64) -> Self {
+        self.slope = Some(field);
+        self
+    }
+
+    /// FMI's `initial`; `None` for inputs.
+    pub const fn initial(&self) -> Option<Initial> {
+        match self.causality {
+            Causality::Input => None,
+            Causality::Parameter => Some(Initial::Exact),
+            Causality::Output | Causality::Local => Some(Initial::Calculated),
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! The FMU library `DctObserver`.

@@ -1,0 +1,138 @@
+//! Scenario CSV: first column `time` [s], then one column per signal (SI units).
+
+use crate::Error;
+use std::path::Path;
+
+/// Signals over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    time: Vec<f64>,
+    names: Vec<String>,
+    /// One column per name, each as long as `time`.
+    columns: Vec<Vec<f64>>,
+}
+
+impl Scenario {
+    /// Reads a scenario from a file.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path);
+        let text = text.map_err(|error| Error::File {
+            path: path.into(),
+            error,
+        })?;
+        Self::parse(&text).map_err(|(line, what)| Error::Scenario {
+            path: path.into(),
+            line,
+            what,
+        })
+    }
+
+    /// Reads a scenario from text; an error carries its line.
+    fn parse(text: &str) -> Result<Self, (usize, String)> {
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .map(|(index, line)| (index + 1, line));
+        let header = lines
+            .next()
+            .map_or("", |(_, line)| line.trim_start_matches('\u{feff}'));
+        let mut names = header.split(',').map(|name| name.trim().to_owned());
+        if names.next().as_deref() != Some("time") {
+            return Err((1, "the first column must be 'time'".into()));
+        }
+        let names: Vec<_> = names.collect();
+        let mut scenario = Self {
+            time: vec![],
+            columns: vec![vec![]; names.len()],
+            names,
+        };
+        for (line, text) in lines.filter(|(_, text)| !text.trim().is_empty()) {
+            scenario.push(text).map_err(|what| (line, what))?;
+        }
+        if scenario.time.is_empty() {
+            return Err((2, "needs at least one row".into()));
+        }
+        Ok(scenario)
+    }
+
+    fn push(&mut self, row: &str) -> Result<(), String> {
+        let cells: Result<Vec<f64>, _> = row.split(',').map(|cell| cell.trim().parse()).collect();
+        let cells = cells.map_err(|error| format!("{error}: {row}"))?;
+        let [time, values @ ..] = cells.as_slice() else {
+            return Err("is empty".into());
+        };
+        if values.len() != self.names.len() || cells.iter().any(|cell| !cell.is_finite()) {
+            return Err(format!("needs {} finite numbers", self.names.len() + 1));
+        }
+        if self.time.last().is_some_and(|last| last >= time) {
+            return Err(format!("time {time} does not increase"));
+        }
+        self.time.push(*time);
+        self.columns
+            .iter_mut()
+            .zip(values)
+            .for_each(|(column, value)| column.push(*value));
+        Ok(())
+    }
+
+    /// Column of a signal.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// A signal at `time` [s]: linear between rows, or held since the last row; before the first
+    /// and after the last row the end values hold. The arithmetic is that of `numpy.interp`.
+    pub fn sample(&self, column: usize, time: f64, hold: bool) -> f64 {
+        let value = |row: usize| self.columns.get(column).and_then(|c| c.get(row)).copied();
+        let at = |row: usize| value(row).unwrap_or(f64::NAN);
+        let after = self.time.partition_point(|row| *row <= time);
+        let row = after.saturating_sub(1);
+        match (self.time.get(row), self.time.get(after)) {
+            (Some(start), Some(end)) if !hold && after > 0 && time > *start => {
+                (at(after) - at(row)) / (end - start) * (time - start) + at(row)
+            }
+            _ => at(row),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Scenario {
+        Scenario::parse(text).unwrap_or_else(|(line, what)| panic!("{line}: {what}"))
+    }
+
+    #[test]
+    fn signals_are_linear_between_rows_or_held() {
+        let scenario = parse("time,a,b\n0,1,2\n2,2,4\n4,0,0\n");
+        let column = scenario.find("a").unwrap();
+        for (time, linear, held) in [
+            (-1.0, 1.0, 1.0),
+            (0.0, 1.0, 1.0),
+            (1.0, 1.5, 1.0),
+            (2.0, 2.0, 2.0),
+            (3.0, 1.0, 2.0),
+            (9.0, 0.0, 0.0),
+        ] {
+            assert_eq!(scenario.sample(column, time, false), linear, "t = {time}");
+            assert_eq!(scenario.sample(column, time, true), held, "t = {time}");
+        }
+        assert_eq!(scenario.find("c"), None);
+    }
+
+    #[test]
+    fn a_bad_row_is_named_by_its_line() {
+        for (text, line) in [
+            ("t,a\n", 1),
+            ("time,a\n", 2),
+            ("time,a\n0,1\n0,1\n", 3),
+            ("time,a\n0,inf\n", 2),
+            ("time,a\n0,1\n\n1,x\n", 4),
+            ("time,a\n0,1,2\n", 2),
+        ] {
+            assert_eq!(Scenario::parse(text).unwrap_err().0, line, "{text}");
+        }
+    }
+}
