@@ -219,10 +219,18 @@ def test_limits_hold_for_the_system_and_step_they_name() -> None:
 
 @pytest.mark.parametrize(("figure", "digits", "text"), [
     (12.345, 3, "12.3"), (0.012345, 3, "0.0123"), (9.996, 3, "10.0"), (1234.5, 3, "1234"),
-    (None, 3, "–"), (0.0, 3, "0"), (-3.14159, 3, "-3.14"), (1.5e-7, 3, "1.50e-07"),
+    (None, 3, "–"), (0.0, 3, "0"), (-3.14159, 3, "-3.14"), (1.5e-4, 3, "0.000150"),
 ])  # fmt: skip
 def test_numbers_read_well(figure: float | None, digits: int, text: str) -> None:
     assert kpi.table.number(figure, digits) == text
+
+
+@pytest.mark.parametrize(("key", "figure", "text"), [
+    ("estimation.rmse", 4e-10, "<0.01"), ("estimation.ratio", 1.6e5, ">1000"),
+    ("estimation.rmse", 0.0, "0"), ("estimation.ratio", 999.4, "999"),
+])  # fmt: skip
+def test_what_no_reader_needs_is_not_spelled_out(key: str, figure: float, text: str) -> None:
+    assert kpi.table.shown({"kpi": key, "value": figure}) == text
 
 
 def test_table_is_aligned_and_json_is_strict() -> None:

@@ -13,7 +13,11 @@ JERK_CUTOFF = 10.0  # Hz, -3 dB of the Gaussian filter; above surge (2-8 Hz), be
 
 @dataclass(frozen=True)
 class Kpi:
-    """One row of the registry; `unit` as shown to people, `digits` significant ones."""
+    """One row of the registry; `unit` as shown to people.
+
+    Tables show `digits` significant digits between `least` and `most`; beyond them, that a value
+    is smaller or larger is all a reader needs. `kpis.json` holds every digit.
+    """
 
     key: str
     title: str
@@ -21,6 +25,8 @@ class Kpi:
     formula: str
     source: str
     digits: int = 3
+    least: float = 0.01
+    most: float = 1e6
 
 
 RMSE = Kpi(
@@ -41,6 +47,7 @@ RATIO = Kpi(
     "estimation.ratio", "map-based error / observer error", "1",
     "RMSE of the map-based estimate / RMSE of the observer, same scope",
     "the paper's claim that adaptation beats the map (Figs. 10, 12)",
+    most=1000.0,
 )  # fmt: skip
 TRACKING = Kpi(
     "tracking.rms", "RMS torque-tracking error while slipping", "N·m",

@@ -12,15 +12,12 @@ UNDEFINED = "–"
 
 
 def number(value: float | None, digits: int) -> str:
-    """Return `value` with `digits` significant digits, never in exponent form below 1e6."""
+    """Return `value` with `digits` significant digits, without an exponent."""
     if value is None:
         return UNDEFINED
     if value == 0:
         return "0"
-    if not 1e-4 <= abs(value) < 1e6:
-        return f"{value:.{digits - 1}e}"
-    decimals = max(0, digits - 1 - _exponent(value, digits))
-    return f"{value:.{decimals}f}"
+    return f"{value:.{max(0, digits - 1 - _exponent(value, digits))}f}"
 
 
 def _exponent(value: float, digits: int) -> int:
@@ -30,7 +27,12 @@ def _exponent(value: float, digits: int) -> int:
 
 def shown(row: dict[str, Any]) -> str:
     """Return the formatted value of a row of `kpis.json`, without its unit."""
-    return number(row["value"], registry.BY_KEY[row["kpi"]].digits)
+    kpi, value = registry.BY_KEY[row["kpi"]], row["value"]
+    if value is not None and 0 < abs(value) < kpi.least:
+        return f"<{kpi.least:g}"
+    if value is not None and value > kpi.most:
+        return f">{kpi.most:g}"
+    return number(value, kpi.digits)
 
 
 def estimation_cells(kpis: dict[str, Any]) -> list[list[str]]:
@@ -57,10 +59,14 @@ def other_cells(kpis: dict[str, Any]) -> list[list[str]]:
 def limit_cells(judged: list[dict[str, Any]]) -> list[list[str]]:
     """Return KPI title, signal, value, limit, verdict of each limit."""
     return [
-        [registry.BY_KEY[j["kpi"]].title, j["signal"], f"{shown(j)} {j['unit']}",
-         f"{j['relation']} {j['limit']:g} {j['unit']}", "pass" if j["pass"] else "FAIL"]
+        [registry.BY_KEY[j["kpi"]].title, j["signal"], _with_unit(shown(j), j),
+         _with_unit(f"{j['relation']} {j['limit']:g}", j), "pass" if j["pass"] else "FAIL"]
         for j in judged
     ]  # fmt: skip
+
+
+def _with_unit(text: str, row: dict[str, Any]) -> str:
+    return text if row["unit"] == "1" else f"{text} {row['unit']}"
 
 
 ESTIMATION_HEAD = [

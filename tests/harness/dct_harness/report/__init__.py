@@ -85,8 +85,9 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
     return {
         "title": title, "views": views, "verdict": verdict, "sections": sections,
         "compared": compared, "energy": energy, "figures": drawn, "cells": cells,
-        "limits": cells.limit_rows(judged), "diagram": diagram.layout(largest.run),
-        "diagram_of": largest, "phases": _phases(views), "kpis": KPIS,
+        "limits": cells.limit_rows(judged), "tags": runs.tags(views, pairs),
+        "diagram": diagram.layout(largest.run), "diagram_of": largest,
+        "phases": _phases(views), "kpis": KPIS,
         "parameters": cells.parameters(views), "identities": cells.identities(views),
         "bins": downsample.BINS, "version": __version__,
     }  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..kpi import registry
 from ..kpi.estimation import TORQUES
-from ..kpi.table import UNDEFINED, number, shown
+from ..kpi.table import ESTIMATION_HEAD, UNDEFINED, estimation_cells, number, shown
 from .runs import View
 
 Json = dict[str, Any]
@@ -35,6 +35,14 @@ def matrix(view: View) -> Json | None:
     ]  # fmt: skip
     return {"torques": [HTML_SYMBOL[TORQUES[t]] for t in torques],
             "columns": [head for head, _, _ in MATRIX], "rows": table}  # fmt: skip
+
+
+def full(view: View) -> Json:
+    """Return head and rows of all estimation KPIs, the map's RMSE and maximum included."""
+    rows = estimation_cells(view.kpis)
+    return {"head": ESTIMATION_HEAD, "rows": [
+        [HTML_SYMBOL[torque], scope_label(scope), *cells] for torque, scope, *cells in rows
+    ]}  # fmt: skip
 
 
 def _cell(row: Json | None) -> Json:

@@ -42,7 +42,12 @@ def layout(run: dict[str, Any]) -> dict[str, Any]:
         for k, ((a, b), wires) in enumerate(bundles.items(), 1)
     ]
     width = len(names) * (BOX[0] + GAP) - GAP + 40
-    return {"boxes": boxes, "edges": edges, "width": max(width, BOX[0] + 40), "height": 330}
+    return {
+        "boxes": boxes,
+        "edges": edges,
+        "width": max(width, BOX[0] + 40),
+        "height": MIDDLE + BOX[1] // 2 + ARC * max(len(names) - 2, 1),
+    }
 
 
 def _box(k: int, name: str, run: dict[str, Any]) -> dict[str, Any]:
@@ -71,7 +76,7 @@ def _edge(
         start, lift = MIDDLE + side * half, side * ARC * abs(b - a)
         tip = start + side * 7
         path = f"M{x0:g},{start} C{x0:g},{start + lift} {x1:g},{start + lift} {x1:g},{tip}"
-        label = ((x0 + x1) / 2, start + 0.75 * lift + (16 if backward else -8))
+        label = ((x0 + x1) / 2, start + 0.75 * lift - 8)
     step = run.get("step")
     delay = f"one step ({step * 1e3:g} ms)" if backward and step else "none"
     signals = [{**wire, "unit": unit(wire["from"])} for wire in wires]

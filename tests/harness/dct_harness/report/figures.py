@@ -55,8 +55,15 @@ def _figure(key: str, view: View, panels: list[Json], caption: str, aria: str) -
     weight = sum(p.get("weight", 1.0) for p in panels)
     return {
         "id": f"{key}-{view.slug}", "panels": panels, "phases": phases, "caption": caption,
-        "aria": aria, "height": round(PANEL_HEIGHT * weight + 110), "columns": 1,
+        "range": _reach([view]), "aria": aria, "columns": 1,
+        "height": round(PANEL_HEIGHT * weight + 110),
     }  # fmt: skip
+
+
+def _reach(views: list[View]) -> list[float]:
+    """Return the first and last time [s] of runs shown together."""
+    times = [view.results.time for view in views]
+    return [float(min(t[0] for t in times)), float(max(t[-1] for t in times))]
 
 
 def _marks(view: View, clutch: str, values: np.ndarray) -> list[Json]:
@@ -80,7 +87,7 @@ def driveline(view: View) -> Json | None:
             positions += _lines(view, (found, clutch, LABEL[clutch], MM))
     speeds = _lines(
         view, ("plant.engine.speed", "engine", "engine", RPM),
-        *((f"plant.{c}.speed", c, f"{LABEL[c]}, input shaft", RPM) for c in CLUTCHES),
+        *((f"plant.{c}.speed", c, LABEL[c], RPM) for c in CLUTCHES),
         ("plant.wheel.speed", "wheel", "wheel", RPM),
     )  # fmt: skip
     panels = [
@@ -182,7 +189,7 @@ def energy(views: list[View]) -> Json | None:
     return {
         "id": "energy", "panels": panels, "phases": [], "columns": columns, "legend": False,
         "caption": "Energy balance of the plant", "aria": "Energy residual of each run",
-        "height": 170 * rows + 70,
+        "range": _reach(own), "height": 170 * rows + 70,
     }  # fmt: skip
 
 

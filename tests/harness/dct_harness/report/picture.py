@@ -52,7 +52,7 @@ def picture(run_dir: str | Path, path: str | Path) -> Path:
         axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
         for axis, torque in zip(axes, shown, strict=True):
             _panel(axis, view, torque)
-        _finish(figure, axes, view)
+        _finish(figure, axes)
         metadata = {"Date": None} if path.suffix == ".svg" else {"Software": None}
         figure.savefig(path, metadata=metadata, dpi=150, facecolor="white")
     return path
@@ -74,7 +74,7 @@ def _panel(axis: Any, view: View, torque: str) -> None:
     axis.margins(x=0)
 
 
-def _finish(figure: Any, axes: Any, view: View) -> None:
+def _finish(figure: Any, axes: Any) -> None:
     axes[-1].set_xlabel("time [s]")
     entries = dict(zip(*reversed(axes[0].get_legend_handles_labels()), strict=True))
     order = [label for _, label, _ in LINES] + list(STATES.values())
@@ -82,4 +82,3 @@ def _finish(figure: Any, axes: Any, view: View) -> None:
     figure.legend([entries[label] for label in labels], labels, loc="outside upper center",
                   ncols=len(labels), frameon=False)  # fmt: skip
     figure.align_ylabels(axes)
-    figure.suptitle(view.title.replace("$", r"\$"), fontsize=10)

@@ -113,6 +113,18 @@ def pairs(views: list[View]) -> list[Pair]:
     return [Pair(v, opened[v.name]) for v in views if v.feedback and v.name in opened]
 
 
+def tags(views: list[View], paired: list[Pair]) -> dict[str, str]:
+    """Return slug -> verdict of each run; limits of a pair count for the run with feedback."""
+    found = {v.slug: v.kpis["verdict"] for v in views}
+    for pair in paired:
+        if found[pair.opened.slug] == "not judged":
+            found[pair.opened.slug] = "reference"
+        if pair.limits and found[pair.closed.slug] != "fail":
+            passed = all(limit["pass"] for limit in pair.limits)
+            found[pair.closed.slug] = "pass" if passed else "fail"
+    return found
+
+
 def overall(views: list[View], paired: list[Pair]) -> tuple[str, list[tuple[View, dict]]]:
     """Return the verdict over all runs, and every limit with the run it judges."""
     judged = [(v, limit) for v in views for limit in v.kpis["limits"]]

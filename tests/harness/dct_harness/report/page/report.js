@@ -5,7 +5,7 @@
   const menu = document.getElementById("zoom");
   const MARKS = { slipping: "triangle-up", engaged: "circle", disengaged: "triangle-down-open" };
   const STYLES = {
-    truth: { width: 2.6 }, map: { width: 1.6, dash: "dash" }, observer: { width: 1.5 },
+    truth: { width: 2.6 }, engine: { width: 3 }, map: { width: 1.6, dash: "dash" }, observer: { width: 1.5 },
     closed: { width: 1.6 }, opened: { width: 1.5, dash: "dash" },
   };
   const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40 };
@@ -24,10 +24,12 @@
     return { x: `x${suffix}`, y: `y${suffix}`, xaxis: `xaxis${suffix}`, yaxis: `yaxis${suffix}` };
   }
 
+  const above = (spec) => (spec.legend === false ? PIXELS.heading : PIXELS.top);
+
   // Panels row by row; returns for each its domain in paper units and whether it is lowest.
   function place(spec) {
     const rows = Math.ceil(spec.panels.length / spec.columns);
-    const height = spec.height - PIXELS.top - PIXELS.bottom;
+    const height = spec.height - above(spec) - PIXELS.bottom;
     const gap = (spec.columns > 1 ? PIXELS.heading : PIXELS.gap) / height;
     const weights = Array.from({ length: rows }, (_, r) => spec.panels[r * spec.columns].weight ?? 1);
     const unit = (1 - gap * (rows - 1)) / weights.reduce((a, b) => a + b, 0);
@@ -65,7 +67,7 @@
 
   function shadesOf(panel, k) {
     const names = axisNames(k);
-    return (panel.shades ?? []).filter((s) => s.solid || s.state !== "disengaged").map((s) => ({
+    return (panel.shades ?? []).filter((s) => s.state !== "disengaged").map((s) => ({
       type: "rect", layer: "below", xref: names.x, yref: `${names.y} domain`, line: { width: 0 },
       x0: s.x0, x1: s.x1, y0: s.y0, y1: s.y1,
       fillcolor: colour(s.state), opacity: s.solid ? 0.85 : Number(colour("tint")),
@@ -95,12 +97,12 @@
   function axesOf(spec, places) {
     const axes = {};
     const look = { gridcolor: colour("grid"), linecolor: colour("line"), zeroline: false,
-      showline: true, title: { standoff: 6, font: { size: 12 } } };
+      showline: true, exponentformat: "power", title: { standoff: 6, font: { size: 12 } } };
     spec.panels.forEach((panel, k) => {
       const names = axisNames(k);
       const at = places[k];
       axes[names.xaxis] = { ...look, domain: at.x, anchor: names.y, matches: k ? "x" : undefined,
-        showticklabels: at.lowest, range: range ?? undefined, autorange: range === null,
+        showticklabels: at.lowest, range: [...(range ?? spec.range)], autorange: false,
         title: { ...look.title, text: at.lowest ? "time [s]" : "" }, hoverformat: ".3f",
         ticksuffix: "", rangemode: "normal" };
       axes[names.yaxis] = { ...look, domain: at.y, anchor: names.x, fixedrange: Boolean(panel.ticks),
@@ -120,12 +122,12 @@
     const legend = spec.legend !== false;
     const data = spec.panels.flatMap((p, k) => p.traces.map((t) => traceOf(t, k, seen, legend)));
     const phases = phasesOf(spec);
-    const plotHeight = spec.height - PIXELS.top - PIXELS.bottom;
+    const plotHeight = spec.height - above(spec) - PIXELS.bottom;
     const layout = {
       ...axesOf(spec, places), height: spec.height, hovermode: "x unified", dragmode: "zoom",
       paper_bgcolor: colour("paper"), plot_bgcolor: colour("paper"),
       font: { color: colour("ink"), size: 12, family: getComputedStyle(document.body).fontFamily },
-      margin: { l: PIXELS.left, r: PIXELS.right, t: PIXELS.top, b: PIXELS.bottom },
+      margin: { l: PIXELS.left, r: PIXELS.right, t: above(spec), b: PIXELS.bottom },
       shapes: [...spec.panels.flatMap(shadesOf), ...phases.lines],
       annotations: [...phases.labels, ...headingsOf(spec, places)],
       legend: { orientation: "h", x: 0, y: 1 + 20 / plotHeight, yanchor: "bottom",
@@ -136,8 +138,8 @@
     return { data, layout };
   }
 
-  function view(window) {
-    return window ? { "xaxis.range": [...window] } : { "xaxis.autorange": true };
+  function view(spec) {
+    return { "xaxis.range": [...(range ?? spec.range)] };
   }
 
   // Give every drawn figure the shared window; the one that started it has it already.
@@ -150,7 +152,7 @@
     try {
       for (const spec of specs) {
         const div = document.getElementById(spec.id);
-        if (div !== source && div.data) await Plotly.relayout(div, view(window));
+        if (div !== source && div.data) await Plotly.relayout(div, view(spec));
       }
     } finally {
       sharing = false;

@@ -1,0 +1,215 @@
+"""The report in a real browser: headless Chromium draws it, zooms it, and is asked for errors."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from dct_harness import report
+from playwright.sync_api import Browser, Page, sync_playwright
+from test_report_data import HOSTILE, write_all, write_run
+
+ARGUMENTS = (
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
+    "--disable-background-networking", "--disable-component-update",
+)  # fmt: skip
+LAPTOP = {"width": 1366, "height": 768}
+DRAWN = "html[data-figures=drawn]"
+PATIENCE = 60_000  # ms; about 2 s are needed, a busy machine may be slow
+ZOOM = (8.5, 11.5)  # s, the upshift
+PIXEL = 0.05  # s; one pixel of a 1200 px wide panel is 0.025 s of 30 s
+
+RANGES = """() => [...document.querySelectorAll(".plot")].map((div) => ({
+  id: div.id,
+  ranges: Object.keys(div._fullLayout).filter((k) => /^xaxis\\d*$/.test(k))
+    .map((k) => div._fullLayout[k].range),
+}))"""
+LINES = """() => [...document.querySelectorAll(".plot")].map((div) => ({
+  id: div.id,
+  wanted: div.data.filter((t) => t.mode === "lines").length,
+  drawn: [...div.querySelectorAll("svg .scatterlayer .trace")].filter((trace) =>
+    [...trace.querySelectorAll(".js-line")].some((path) => path.getTotalLength() > 10)).length,
+}))"""
+
+
+class Visit:
+    """A page with everything it complained about or asked the network for."""
+
+    def __init__(self, browser: Browser, file: Path, **options: object) -> None:
+        self.page: Page = browser.new_page(viewport=LAPTOP, **options)
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("console", self._console)
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(file.as_uri())
+        self.page.wait_for_selector(DRAWN, timeout=PATIENCE)
+
+    def _console(self, message: object) -> None:
+        if message.type in ("error", "warning"):
+            self.complaints.append(message.text)
+
+    def foreign(self) -> list[str]:
+        """Return requests beyond the page itself and what it holds inside."""
+        own = self.page.url.partition("#")[0]
+        return [u for u in self.requests if u != own and not u.startswith(("data:", "blob:"))]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    assert found, "needs Chromium: sudo apt-get install -y chromium"
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="module")
+def full(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    return report.write(write_all(folder, step=0.001), folder / "report", "All runs")
+
+
+@pytest.fixture
+def visit(browser: Browser, full: Path) -> Iterator[Visit]:
+    visited = Visit(browser, full)
+    yield visited
+    visited.page.close()
+
+
+@pytest.fixture
+def shots(repo_root: Path) -> Path:
+    folder = repo_root / "target" / "report-screenshots"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_figure_draws_without_complaint(
+    browser: Browser, full: Path, shots: Path, scheme: str
+) -> None:
+    visited = Visit(browser, full, color_scheme=scheme)
+    figures = visited.page.evaluate(LINES)
+    kinds = {figure["id"].partition("-")[0] for figure in figures}
+    assert kinds == {"driveline", "torques", "friction", "tracking", "energy"}
+    for figure in figures:
+        assert figure["drawn"] == figure["wanted"] > 0, figure
+    assert visited.complaints == []
+    assert visited.foreign() == []
+    visited.page.screenshot(path=shots / f"laptop-{scheme}.png")
+    visited.page.screenshot(path=shots / f"page-{scheme}.png", full_page=True)
+    visited.page.close()
+
+
+def test_dark_page_has_dark_figures(browser: Browser, full: Path) -> None:
+    visited = Visit(browser, full, color_scheme="light")
+    paper = "() => document.querySelector('.plot')._fullLayout.paper_bgcolor"
+    light = visited.page.evaluate(paper)
+    visited.page.emulate_media(color_scheme="dark")
+    visited.page.wait_for_function(f"(light) => ({paper})() !== light", arg=light)
+    assert visited.complaints == []
+    visited.page.close()
+
+
+def test_figures_fit_a_laptop(visit: Visit) -> None:
+    wide = visit.page.evaluate("document.documentElement.scrollWidth")
+    assert wide <= LAPTOP["width"]
+    heights = visit.page.eval_on_selector_all(
+        ".plot[id^=torques]", "plots => plots.map(p => p.offsetHeight)"
+    )
+    assert max(heights) <= LAPTOP["height"]
+
+
+def assert_shared(page: Page, start: float, end: float, tolerance: float) -> None:
+    for figure in page.evaluate(RANGES):
+        for low, high in figure["ranges"]:
+            assert low == pytest.approx(start, abs=tolerance), figure
+            assert high == pytest.approx(end, abs=tolerance), figure
+
+
+def await_range(page: Page, start: float, tolerance: float) -> None:
+    page.wait_for_function(
+        f"([start, tolerance]) => ({RANGES})().every("
+        "(f) => f.ranges.every((r) => Math.abs(r[0] - start) < tolerance))",
+        arg=[start, tolerance],
+    )
+
+
+def test_phase_menu_zooms_every_figure(visit: Visit) -> None:
+    visit.page.select_option("#zoom", label="upshift (8.5–11.5 s)")
+    await_range(visit.page, ZOOM[0], 1e-9)
+    assert_shared(visit.page, *ZOOM, 1e-9)
+    visit.page.select_option("#zoom", label="whole scenario")
+    await_range(visit.page, 0.0, 1e-9)
+    assert_shared(visit.page, 0.0, 30.0, 1e-9)
+    assert visit.complaints == []
+
+
+def test_dragging_in_one_figure_zooms_all(visit: Visit) -> None:
+    plot = visit.page.locator(".plot[id^=torques]").first
+    plot.scroll_into_view_if_needed()
+    box = plot.locator(".nsewdrag").first.bounding_box()
+    assert box is not None
+    x = [box["x"] + box["width"] * t / 30 for t in ZOOM]
+    y = box["y"] + box["height"] / 2
+    visit.page.mouse.move(x[0], y)
+    visit.page.mouse.down()
+    visit.page.mouse.move(x[1], y, steps=8)
+    visit.page.mouse.up()
+    await_range(visit.page, ZOOM[0], PIXEL)
+    assert_shared(visit.page, *ZOOM, PIXEL)
+    assert visit.page.eval_on_selector("#zoom", "menu => menu.value") == "custom"
+    visit.page.mouse.dblclick(sum(x) / 2, y)
+    await_range(visit.page, 0.0, 1e-9)
+    assert_shared(visit.page, 0.0, 30.0, 1e-9)
+
+
+def test_keyboard_moves_and_zooms(visit: Visit) -> None:
+    plot = visit.page.locator(".plot[id^=friction]").first
+    plot.focus()
+    visit.page.keyboard.press("+")
+    await_range(visit.page, 30 / 8, 1e-9)
+    visit.page.keyboard.press("ArrowRight")
+    await_range(visit.page, 30 / 8 + 22.5 / 10, 1e-9)
+    visit.page.keyboard.press("0")
+    await_range(visit.page, 0.0, 1e-9)
+    assert_shared(visit.page, 0.0, 30.0, 1e-9)
+
+
+def test_tables_have_their_rows(visit: Visit) -> None:
+    limits = visit.page.locator("table.limits tbody tr")
+    assert limits.count() == 6 + 6 + 1
+    matrices = visit.page.locator("table.matrix")
+    assert matrices.count() == 4
+    scopes = matrices.first.locator("tbody th").all_inner_texts()
+    assert scopes[0] == "whole scenario"
+    assert "upshift" in scopes
+    assert len(scopes) == 1 + 9 + 3
+    numbers = matrices.first.locator("tbody tr").first.locator("td").all_inner_texts()
+    assert len(numbers) == 15
+    assert all(re.match(r"[<>]?\d", number) for number in numbers)
+    assert visit.page.locator("table.full").first.locator("tbody tr").count() == 3 * len(scopes)
+    assert visit.page.locator("table.wiring tbody tr").count() == 9
+    assert visit.page.locator("svg.diagram .box").count() == 4
+
+
+def test_every_axis_names_its_unit(visit: Visit) -> None:
+    titles = visit.page.eval_on_selector_all(
+        ".plot .infolayer text[class*=title]",
+        "all => all.map((t) => t.textContent).filter(Boolean)",
+    )
+    assert len(titles) > 20
+    assert all(re.search(r"\[.+\]$", title) for title in titles), titles
+
+
+def test_one_hostile_supplier_run_draws(browser: Browser, tmp_path: Path) -> None:
+    run = write_run(tmp_path / "run", "supplier", HOSTILE, drop=(".state", ".muF"))
+    visited = Visit(browser, report.write([run], tmp_path / "report", HOSTILE))
+    assert visited.page.locator("h1").inner_text() == HOSTILE
+    assert all(f["drawn"] == f["wanted"] > 0 for f in visited.page.evaluate(LINES))
+    assert visited.complaints == []
+    visited.page.close()
