@@ -19,11 +19,103 @@ impl ForceMap {
     /// Clutch 1 of the preset `paper`. `assumed:` shaped like Fig. 6, which has no numbers.
     pub const CLUTCH_1: Self = Self {
         position: [0.0, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 9e-3, 10e-3],
-        force: [0.0, 0.0, 250.0, 700.0, 1350.0, 2200.0, 3300.0, 4700.0, 6400.0, 8500.0],
+        force: [
+            0.0, 0.0, 250.0, 700.0, 1350.0, 2200.0, 3300.0, 4700.0, 6400.0, 8500.0,
+        ],
     };
     /// Clutch 2 of the preset `paper`. `assumed:` as for clutch 1.
     pub const CLUTCH_2: Self = Self {
         position: [0.0, 2.2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 9e-3, 10e-3],
-        force: [0.0, 0.0, 220.0, 680.0, 1330.0, 2200.0, 3350.0, 4800.0, 6600.0, 8800.0],
+        force: [
+            0.0, 0.0, 220.0, 680.0, 1330.0, 2200.0, 3350.0, 4800.0, 6600.0, 8800.0,
+        ],
     };
+
+    /// F_n of Fig. 6: normal force [N] at an actuator position, constant outside the map.
+    ///
+    /// `theta`: actuator position θ_m [m].
+    pub fn force(&self, theta: f64) -> f64 {
+        interpolate(&self.position, &self.force, theta)
+    }
+
+    /// Smallest actuator position [m] that gives a normal force, inverse of [`Self::force`].
+    ///
+    /// `force`: normal force [N]; outside the map's range the position of the nearest end of it.
+    pub fn position(&self, force: f64) -> f64 {
+        interpolate(&self.force, &self.position, force)
+    }
+
+    /// Touch point (kiss point): largest position [m] at which the force is still 0.
+    ///
+    /// The first position of the map where even that presses.
+    pub fn touch_point(&self) -> f64 {
+        let open = self.force.iter().filter(|force| **force <= 0.0).count();
+        self.position[open.saturating_sub(1)]
+    }
+}
+
+/// Value of the piecewise linear `y(x)`, at the left end of a vertical piece, constant outside.
+fn interpolate(xs: &[f64; MAP_POINTS], ys: &[f64; MAP_POINTS], x: f64) -> f64 {
+    let Some(end) = xs.iter().position(|end| x <= *end) else {
+        return ys[MAP_POINTS - 1];
+    };
+    let Some(start) = end.checked_sub(1) else {
+        return ys[0];
+    };
+    ys[start] + (ys[end] - ys[start]) * (x - xs[start]) / (xs[end] - xs[start])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ForceMap;
+
+    const MAPS: [ForceMap; 2] = [ForceMap::CLUTCH_1, ForceMap::CLUTCH_2];
+
+    #[test]
+    fn force_is_linear_between_points_and_constant_outside() {
+        let map = ForceMap::CLUTCH_1;
+        let cases = [
+            (-1e-3, 0.0),
+            (0.0, 0.0),
+            (1e-3, 0.0),
+            (2.5e-3, 125.0),
+            (3e-3, 250.0),
+            (1.0, 8500.0),
+        ];
+        for (theta, force) in cases {
+            assert!((map.force(theta) - force).abs() < 1e-9, "{theta} m");
+        }
+    }
+
+    #[test]
+    fn position_inverts_force_above_the_touch_point() {
+        for map in MAPS {
+            for step in 1..=100 {
+                let force = map.force[9] * f64::from(step) / 100.0;
+                let theta = map.position(force);
+                assert!((map.force(theta) - force).abs() < 1e-9, "{force} N");
+                assert!(theta > map.touch_point());
+            }
+        }
+    }
+
+    #[test]
+    fn position_is_the_smallest_that_gives_the_force() {
+        for map in MAPS {
+            assert_eq!(map.position(0.0), map.position[0]);
+            assert_eq!(map.position(-1.0), map.position[0]);
+            assert_eq!(map.position(1e6), map.position[9]);
+        }
+        let mut flat = ForceMap::CLUTCH_1;
+        flat.force[5] = flat.force[4];
+        assert_eq!(flat.position(flat.force[4]), flat.position[4]);
+    }
+
+    #[test]
+    fn touch_point_is_where_the_force_begins() {
+        assert_eq!(MAPS.map(|map| map.touch_point()), [2e-3, 2.2e-3]);
+        let mut pressed = ForceMap::CLUTCH_1;
+        pressed.force = pressed.force.map(|force| force + 1.0);
+        assert_eq!(pressed.touch_point(), 0.0);
+    }
 }
