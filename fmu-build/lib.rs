@@ -1,1 +1,94 @@
-//! Describes, builds and checks FMUs.
+//! Describes, builds and checks FMI 2.0 co-simulation FMUs.
+//!
+//! ```text
+//! Model::VARIABLES ──describe──> modelDescription.xml ─┐
+//! cdylib of the model ──cargo build──> .so, .dll ──────┴─package──> .fmu ──check──> findings
+//! ```
+//!
+//! Everything written is a function of the models alone: no date, no random GUID, no path of the
+//! machine. Two builds give the same bytes.
+
+mod archive;
+mod description;
+mod error;
+pub mod library;
+pub mod models;
+mod variables_md;
+
+pub use archive::package;
+pub use description::describe;
+pub use error::{Error, Result};
+
+use models::{Entry, MODELS};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Every file of `modelDescription/` with its text.
+///
+/// # Errors
+/// When a model cannot be described.
+pub fn descriptions() -> Result<Vec<(PathBuf, String)>> {
+    let folder = library::workspace().join("modelDescription");
+    let mut files = Vec::new();
+    for entry in MODELS {
+        files.push((
+            folder.join(format!("{}.xml", entry.name)),
+            (entry.describe)()?,
+        ));
+    }
+    files.push((folder.join("VARIABLES.md"), variables_md::text()?));
+    Ok(files)
+}
+
+/// Writes `modelDescription/`; returns the files.
+///
+/// # Errors
+/// When a model cannot be described or a file not be written.
+pub fn refresh() -> Result<Vec<PathBuf>> {
+    let files = descriptions()?;
+    for (path, text) in &files {
+        archive::write_whole(path, text.as_bytes())?;
+    }
+    Ok(files.into_iter().map(|(path, _)| path).collect())
+}
+
+/// Compares `modelDescription/` with what the models say.
+///
+/// # Errors
+/// [`Error::Stale`] with the files that differ and the command that refreshes them.
+pub fn compare() -> Result<()> {
+    let differs = |(path, text): &(PathBuf, String)| {
+        fs::read_to_string(path).map_or(true, |found| found != *text)
+    };
+    let stale = descriptions()?
+        .into_iter()
+        .filter(differs)
+        .map(|(path, _)| path);
+    let files: Vec<_> = stale.collect();
+    if files.is_empty() {
+        Ok(())
+    } else {
+        Err(Error::Stale { files })
+    }
+}
+
+/// Builds the FMU of a model into folder `out`; returns its path.
+///
+/// # Errors
+/// When the library cannot be built or the file not be written.
+pub fn build(entry: &Entry, out: &Path) -> Result<PathBuf> {
+    let (platform, extension) = library::platform()?;
+    let members = vec![
+        (
+            "modelDescription.xml".to_owned(),
+            (entry.describe)()?.into_bytes(),
+        ),
+        (
+            format!("binaries/{platform}/{}.{extension}", entry.name),
+            library::build(entry.package)?,
+        ),
+    ];
+    let path = out.join(format!("{}.fmu", entry.name));
+    package(&path, members)?;
+    Ok(path)
+}

@@ -1,2 +1,76 @@
-//! Describes, builds and checks FMUs.
-fn main() {}
+//! The command `fmu-build` (`cargo fmu`): describe, build and check FMUs.
+
+use clap::{Parser, Subcommand};
+use std::io::{self, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Describes, builds and checks FMI 2.0 co-simulation FMUs.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Examples:
+  cargo fmu build                          all FMUs into target/fmu
+  cargo fmu build DctPlant --out /data     one FMU into a folder of your choice
+  cargo fmu describe                       after a change in src/models
+  cargo fmu describe --check               fail when modelDescription/ is out of date"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write modelDescription/*.xml and VARIABLES.md from the models.
+    #[command(after_help = "Commit what it writes: the FMUs carry exactly these descriptions.")]
+    Describe {
+        /// Write nothing; fail when a file differs from what the models say.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Build FMUs.
+    #[command(after_help = "Two builds of the same sources give the same bytes.")]
+    Build {
+        /// Models to build, e.g. DctPlant; all when none is named.
+        models: Vec<String>,
+        /// Folder for the FMUs [default: target/fmu of the workspace].
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Where nobody can read the message any more, the exit code has to do.
+            let _ = writeln!(io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> Result<(), Box<dyn std::error::Error>> {
+    match command {
+        Command::Describe { check: true } => fmu_build::compare()?,
+        Command::Describe { check: false } => print_paths(&fmu_build::refresh()?)?,
+        Command::Build { models, out } => build(&models, out)?,
+    }
+    Ok(())
+}
+
+fn build(models: &[String], out: Option<PathBuf>) -> Result<(), Box<dyn std::error::Error>> {
+    let out = out.unwrap_or_else(|| fmu_build::library::workspace().join("target").join("fmu"));
+    for entry in fmu_build::models::select(models)? {
+        print_paths(&[fmu_build::build(entry, &out)?])?;
+    }
+    Ok(())
+}
+
+fn print_paths(paths: &[PathBuf]) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    paths
+        .iter()
+        .try_for_each(|path| writeln!(stdout, "{}", path.display()))
+}

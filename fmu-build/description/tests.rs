@@ -1,0 +1,182 @@
+//! A model with one variable of every sort, described.
+
+use super::describe;
+use crate::{Error, Result};
+use fmi2_cosim::{Enumeration, Experiment, Failure, Item, Log, Model, StateFields, Unit, Variable};
+
+static MODE: Enumeration = Enumeration {
+    name: "Mode",
+    description: "What it does",
+    items: &[
+        Item {
+            name: "off",
+            value: 1,
+            description: "Off",
+        },
+        Item {
+            name: "on",
+            value: 2,
+            description: "On & \"up\"",
+        },
+    ],
+};
+
+#[derive(Clone)]
+struct Sample {
+    speed: f64,
+    rate: f64,
+    gear: i32,
+    mode: i32,
+    radius: f64,
+    enabled: bool,
+    torque: f64,
+}
+
+impl Default for Sample {
+    fn default() -> Self {
+        Self {
+            speed: 0.1 + 0.2,
+            rate: 0.0,
+            gear: 3,
+            mode: 2,
+            radius: 1e-7,
+            enabled: true,
+            torque: 0.0,
+        }
+    }
+}
+
+impl Model for Sample {
+    const NAME: &'static str = "Sample";
+    const DESCRIPTION: &'static str = "a < b";
+    const EXPERIMENT: Experiment = Experiment {
+        start: 0.0,
+        stop: 30.0,
+        step: 1e-3,
+    };
+    const VARIABLES: &'static [Variable<Self>] = &[
+        Variable::input(
+            "shaft.speed",
+            Unit::RADIAN_PER_SECOND,
+            |m: &mut Self| &mut m.speed,
+            "w",
+        )
+        .rate(|m: &mut Self| &mut m.rate),
+        Variable::integer_input("gear", |m: &mut Self| &mut m.gear, "Gear")
+            .min(0.0)
+            .max(6.0),
+        Variable::enumeration_parameter("mode", &MODE, |m: &mut Self| &mut m.mode, "Mode"),
+        Variable::parameter("radius", Unit::METRE, |m: &mut Self| &mut m.radius, "r").tunable(),
+        Variable::boolean_parameter("enabled", |m: &mut Self| &mut m.enabled, "Enabled"),
+        Variable::output(
+            "torque",
+            Unit::NEWTON_METRE,
+            |m: &mut Self| &mut m.torque,
+            "T",
+        )
+        .depends_on(&["gear", "shaft.speed"])
+        .initially_depends_on(&[]),
+        Variable::output(
+            "friction",
+            Unit::NEWTON_METRE,
+            |m: &mut Self| &mut m.torque,
+            "T_f",
+        )
+        .local(),
+    ];
+
+    fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> std::result::Result<(), Failure> {
+        Ok(())
+    }
+
+    fn step(&mut self, _: f64, _: f64, _: &mut Log<'_>) -> std::result::Result<(), Failure> {
+        Ok(())
+    }
+
+    fn hidden_state(&mut self, _: &mut dyn StateFields) {}
+}
+
+/// The text between the first `<tag` and the end of that element or tag.
+fn element(text: &str, tag: &str) -> String {
+    let from = text.find(&format!("<{tag}")).unwrap();
+    let rest = &text[from..];
+    let end = rest
+        .find(&format!("</{tag}>"))
+        .or_else(|| rest.find("/>"))
+        .unwrap();
+    rest[..end].split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn text() -> String {
+    describe::<Sample>().unwrap()
+}
+
+#[test]
+fn start_values_are_the_models_own_to_the_last_bit() {
+    let text = text();
+    assert!(text.contains("start=\"0.30000000000000004\""), "{text}");
+    assert!(text.contains("start=\"1e-7\""), "{text}");
+    assert!(text.contains("<Boolean start=\"true\"/>"), "{text}");
+    assert!(
+        text.contains("<Integer min=\"0\" max=\"6\" start=\"3\"/>"),
+        "{text}"
+    );
+    assert!(
+        text.contains("<Enumeration declaredType=\"Mode\" start=\"2\"/>"),
+        "{text}"
+    );
+}
+
+#[test]
+fn computed_variables_have_no_start_value() {
+    assert_eq!(text().matches("<Real unit=\"N.m\"/>").count(), 2);
+}
+
+#[test]
+fn text_is_escaped() {
+    assert!(text().contains("description=\"a &lt; b\""));
+    assert!(text().contains("description=\"On &amp; &quot;up&quot;\""));
+}
+
+#[test]
+fn dependencies_are_sorted_indices_counted_from_one() {
+    assert_eq!(
+        element(&text(), "Outputs"),
+        "<Outputs> <Unknown index=\"6\" dependencies=\"1 2\"/>"
+    );
+    assert_eq!(
+        element(&text(), "InitialUnknowns"),
+        "<InitialUnknowns> <Unknown index=\"6\" dependencies=\"\"/>"
+    );
+}
+
+#[test]
+fn only_units_in_use_are_defined_each_once() {
+    let definitions = element(&text(), "UnitDefinitions");
+    assert_eq!(definitions.matches("<Unit ").count(), 3, "{definitions}");
+    assert_eq!(definitions.matches("name=\"N.m\"").count(), 1);
+    assert!(
+        definitions.contains("<BaseUnit kg=\"1\" m=\"2\" s=\"-2\"/>"),
+        "{definitions}"
+    );
+    assert!(definitions.contains("<DisplayUnit name=\"rpm\" factor=\"9.549296585513721\"/>"));
+}
+
+#[test]
+fn derivatives_are_offered_where_a_row_has_them() {
+    let tag = element(&text(), "CoSimulation");
+    assert!(tag.contains("canInterpolateInputs=\"true\""), "{tag}");
+    assert!(!tag.contains("maxOutputDerivativeOrder"), "{tag}");
+}
+
+#[test]
+fn a_dependency_that_is_no_variable_is_named() {
+    let row = Variable::output("y", Unit::ONE, |m: &mut Sample| &mut m.torque, "y");
+    let result: Result<_> = super::structure::model_structure(&[row.depends_on(&["u"])]);
+    let error = result.err().unwrap();
+    assert!(matches!(&error, Error::UnknownDependency { dependency, .. } if dependency == "u"));
+    assert_eq!(
+        error.to_string(),
+        "y depends on u, which is not a variable of the model"
+    );
+}

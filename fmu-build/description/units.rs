@@ -1,0 +1,101 @@
+//! `UnitDefinitions`: the units that some variable uses, each once, in the order of the table.
+
+use super::number::finite;
+use crate::Result;
+use fmi2_cosim::{Access, Unit, Variable};
+use serde::Serialize;
+
+#[derive(Serialize)]
+pub(super) struct UnitDefinitions {
+    #[serde(rename = "Unit")]
+    units: Vec<UnitElement>,
+}
+
+#[derive(Serialize)]
+struct UnitElement {
+    #[serde(rename = "@name")]
+    name: &'static str,
+    #[serde(rename = "BaseUnit")]
+    base: BaseUnit,
+    #[serde(rename = "DisplayUnit")]
+    display: Vec<DisplayUnitElement>,
+}
+
+/// Exponents of the SI base units; those that are zero are not written.
+#[derive(Serialize)]
+struct BaseUnit {
+    #[serde(rename = "@kg", skip_serializing_if = "is_zero")]
+    kg: i8,
+    #[serde(rename = "@m", skip_serializing_if = "is_zero")]
+    m: i8,
+    #[serde(rename = "@s", skip_serializing_if = "is_zero")]
+    s: i8,
+    #[serde(rename = "@A", skip_serializing_if = "is_zero")]
+    ampere: i8,
+    #[serde(rename = "@K", skip_serializing_if = "is_zero")]
+    kelvin: i8,
+    #[serde(rename = "@mol", skip_serializing_if = "is_zero")]
+    mol: i8,
+    #[serde(rename = "@cd", skip_serializing_if = "is_zero")]
+    cd: i8,
+    #[serde(rename = "@rad", skip_serializing_if = "is_zero")]
+    rad: i8,
+}
+
+#[derive(Serialize)]
+struct DisplayUnitElement {
+    #[serde(rename = "@name")]
+    name: &'static str,
+    #[serde(rename = "@factor")]
+    factor: String,
+    #[serde(rename = "@offset", skip_serializing_if = "Option::is_none")]
+    offset: Option<String>,
+}
+
+/// `None` when no variable has a unit.
+pub(super) fn definitions<M>(rows: &[Variable<M>]) -> Result<Option<UnitDefinitions>> {
+    let mut used: Vec<Unit> = Vec::new();
+    for row in rows
+        .iter()
+        .filter(|row| matches!(row.access, Access::Real(_)))
+    {
+        if used.iter().all(|unit| unit.name != row.unit.name) {
+            used.push(row.unit);
+        }
+    }
+    let units = used.iter().map(element).collect::<Result<Vec<_>>>()?;
+    Ok((!units.is_empty()).then_some(UnitDefinitions { units }))
+}
+
+fn element(unit: &Unit) -> Result<UnitElement> {
+    let [kg, m, s, ampere, kelvin, mol, cd, rad] = unit.exponents;
+    let base = BaseUnit {
+        kg,
+        m,
+        s,
+        ampere,
+        kelvin,
+        mol,
+        cd,
+        rad,
+    };
+    let display = unit.display.iter().map(|shown| {
+        let offset = (shown.offset != 0.0).then(|| finite(shown.name, "offset", shown.offset));
+        Ok(DisplayUnitElement {
+            name: shown.name,
+            factor: finite(shown.name, "factor", shown.factor)?,
+            offset: offset.transpose()?,
+        })
+    });
+    Ok(UnitElement {
+        name: unit.name,
+        base,
+        display: display.collect::<Result<_>>()?,
+    })
+}
+
+// serde hands a reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(exponent: &i8) -> bool {
+    *exponent == 0
+}

@@ -1,0 +1,174 @@
+//! `ModelVariables`: one `ScalarVariable` per row; the start values are read from the model.
+
+use super::number::{finite, integer, optional};
+use crate::Result;
+use fmi2_cosim::{Access, Causality, Initial, Model, Variability, Variable};
+use serde::Serialize;
+
+#[derive(Serialize)]
+pub(super) struct ModelVariables {
+    #[serde(rename = "ScalarVariable")]
+    variables: Vec<ScalarVariable>,
+}
+
+#[derive(Serialize)]
+struct ScalarVariable {
+    #[serde(rename = "@name")]
+    name: &'static str,
+    #[serde(rename = "@valueReference")]
+    value_reference: usize,
+    #[serde(rename = "@description")]
+    description: &'static str,
+    #[serde(rename = "@causality")]
+    causality: &'static str,
+    #[serde(rename = "@variability")]
+    variability: &'static str,
+    #[serde(rename = "@initial", skip_serializing_if = "Option::is_none")]
+    initial: Option<&'static str>,
+    #[serde(rename = "$value")]
+    kind: Kind,
+}
+
+#[derive(Serialize)]
+enum Kind {
+    Real(RealType),
+    Integer(IntegerType),
+    Boolean(BooleanType),
+    Enumeration(IntegerType),
+}
+
+#[derive(Serialize)]
+struct RealType {
+    #[serde(rename = "@unit")]
+    unit: &'static str,
+    #[serde(rename = "@displayUnit", skip_serializing_if = "Option::is_none")]
+    display_unit: Option<&'static str>,
+    #[serde(rename = "@min", skip_serializing_if = "Option::is_none")]
+    min: Option<String>,
+    #[serde(rename = "@max", skip_serializing_if = "Option::is_none")]
+    max: Option<String>,
+    #[serde(rename = "@nominal", skip_serializing_if = "Option::is_none")]
+    nominal: Option<String>,
+    #[serde(rename = "@start", skip_serializing_if = "Option::is_none")]
+    start: Option<String>,
+}
+
+#[derive(Serialize)]
+struct IntegerType {
+    #[serde(rename = "@declaredType", skip_serializing_if = "Option::is_none")]
+    declared_type: Option<&'static str>,
+    #[serde(rename = "@min", skip_serializing_if = "Option::is_none")]
+    min: Option<String>,
+    #[serde(rename = "@max", skip_serializing_if = "Option::is_none")]
+    max: Option<String>,
+    #[serde(rename = "@start", skip_serializing_if = "Option::is_none")]
+    start: Option<String>,
+}
+
+#[derive(Serialize)]
+struct BooleanType {
+    #[serde(rename = "@start", skip_serializing_if = "Option::is_none")]
+    start: Option<String>,
+}
+
+/// Start value of a row as the description shows it; `None` where the model computes it.
+pub(crate) type Start = Option<String>;
+
+/// Start values of all rows, read from the model through its accessors.
+pub(crate) fn starts<M: Model>() -> Result<Vec<Start>> {
+    let mut model = M::default();
+    M::VARIABLES
+        .iter()
+        .map(|row| start(row, &mut model))
+        .collect()
+}
+
+fn start<M>(row: &Variable<M>, model: &mut M) -> Result<Start> {
+    if row.initial() == Some(Initial::Calculated) {
+        return Ok(None);
+    }
+    let text = match row.access {
+        Access::Real(field) => finite(row.name, "start", *field(model))?,
+        Access::Integer(field) | Access::Enumeration(field, _) => field(model).to_string(),
+        Access::Boolean(field) => field(model).to_string(),
+    };
+    Ok(Some(text))
+}
+
+pub(super) fn model_variables<M: Model>() -> Result<ModelVariables> {
+    let variables = (0..).zip(M::VARIABLES).zip(starts::<M>()?);
+    let variables = variables.map(|((at, row), start)| scalar_variable(at, row, start));
+    Ok(ModelVariables {
+        variables: variables.collect::<Result<_>>()?,
+    })
+}
+
+fn scalar_variable<M>(at: usize, row: &Variable<M>, start: Start) -> Result<ScalarVariable> {
+    Ok(ScalarVariable {
+        name: row.name,
+        value_reference: at,
+        description: row.description,
+        causality: causality(row.causality),
+        variability: variability(row.variability),
+        initial: row.initial().map(initial),
+        kind: kind(row, start)?,
+    })
+}
+
+fn kind<M>(row: &Variable<M>, start: Start) -> Result<Kind> {
+    Ok(match row.access {
+        Access::Real(_) => Kind::Real(real(row, start)?),
+        Access::Integer(_) => Kind::Integer(whole(row, None, start)?),
+        Access::Boolean(_) => Kind::Boolean(BooleanType { start }),
+        Access::Enumeration(_, kind) => Kind::Enumeration(whole(row, Some(kind.name), start)?),
+    })
+}
+
+fn real<M>(row: &Variable<M>, start: Start) -> Result<RealType> {
+    Ok(RealType {
+        unit: row.unit.name,
+        display_unit: row.unit.display.first().map(|shown| shown.name),
+        min: optional(row.name, "min", row.min)?,
+        max: optional(row.name, "max", row.max)?,
+        nominal: optional(row.name, "nominal", row.nominal)?,
+        start,
+    })
+}
+
+fn whole<M>(
+    row: &Variable<M>,
+    declared_type: Option<&'static str>,
+    start: Start,
+) -> Result<IntegerType> {
+    Ok(IntegerType {
+        declared_type,
+        min: integer(row.name, "min", row.min)?,
+        max: integer(row.name, "max", row.max)?,
+        start,
+    })
+}
+
+pub(crate) fn causality(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Parameter => "parameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Local => "local",
+    }
+}
+
+pub(crate) fn variability(variability: Variability) -> &'static str {
+    match variability {
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+fn initial(initial: Initial) -> &'static str {
+    match initial {
+        Initial::Exact => "exact",
+        Initial::Calculated => "calculated",
+    }
+}

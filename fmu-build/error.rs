@@ -1,0 +1,161 @@
+//! What can go wrong, one variant per cause; each text says what to do where something can be done.
+
+use std::path::PathBuf;
+use std::{fmt, io};
+
+/// Result of everything in this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a description, a package or a check could not be made.
+#[derive(Debug)]
+pub enum Error {
+    /// A number of the table or a start value is NaN or infinite.
+    NotFinite {
+        /// Name of the variable.
+        variable: String,
+        /// Which of its numbers, e.g. `start`.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A row names a dependency that is not a row.
+    UnknownDependency {
+        /// Name of the variable.
+        variable: String,
+        /// The name it depends on.
+        dependency: String,
+    },
+    /// No model of this name is known.
+    UnknownModel {
+        /// The name asked for.
+        name: String,
+    },
+    /// Committed descriptions differ from what the models say.
+    Stale {
+        /// Files that differ or are missing.
+        files: Vec<PathBuf>,
+    },
+    /// A file could not be read or written.
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file is not a readable ZIP archive, or could not be written as one.
+    Zip {
+        /// The file.
+        path: PathBuf,
+        /// What the archive library said.
+        source: zip::result::ZipError,
+    },
+    /// A member of an FMU has a name that could write outside the folder it is unpacked to.
+    UnsafeMember {
+        /// The name.
+        name: String,
+    },
+    /// An FMU unpacks to more bytes than any FMU needs.
+    TooLarge {
+        /// The largest accepted size [bytes].
+        limit: u64,
+    },
+    /// Text could not be put together.
+    Format(fmt::Error),
+    /// A model description could not be written.
+    Write(quick_xml::SeError),
+    /// A model description could not be read.
+    Parse(quick_xml::DeError),
+    /// `cargo build` of an FMU library failed; its output tells why.
+    Cargo {
+        /// The package.
+        package: String,
+    },
+    /// `cargo build` succeeded without making a dynamic library.
+    NoLibrary {
+        /// The package.
+        package: String,
+    },
+    /// This machine has no platform name in FMI 2.0.
+    UnknownPlatform {
+        /// Operating system and architecture.
+        platform: String,
+    },
+    /// A library could not be loaded or lacks what a check needs.
+    Load {
+        /// The library.
+        path: PathBuf,
+        /// What the loader said.
+        source: libloading::Error,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite {
+                variable,
+                what,
+                value,
+            } => {
+                write!(f, "{variable}: {what} = {value} is not finite")
+            }
+            Self::UnknownDependency {
+                variable,
+                dependency,
+            } => {
+                write!(
+                    f,
+                    "{variable} depends on {dependency}, which is not a variable of the model"
+                )
+            }
+            Self::UnknownModel { name } => write!(
+                f,
+                "there is no model {name}; the models are {}",
+                crate::models::names().join(", ")
+            ),
+            Self::Stale { files } => {
+                writeln!(f, "out of date:")?;
+                files
+                    .iter()
+                    .try_for_each(|file| writeln!(f, "  {}", file.display()))?;
+                write!(f, "run `cargo fmu describe` and commit the result")
+            }
+            Self::Io { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Zip { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::UnsafeMember { name } => {
+                write!(
+                    f,
+                    "the archive member {name:?} would be unpacked outside its folder"
+                )
+            }
+            Self::TooLarge { limit } => write!(f, "the archive unpacks to more than {limit} bytes"),
+            Self::Format(source) => write!(f, "text cannot be put together: {source}"),
+            Self::Write(source) => write!(f, "modelDescription.xml cannot be written: {source}"),
+            Self::Parse(source) => write!(f, "modelDescription.xml cannot be read: {source}"),
+            Self::Cargo { package } => write!(f, "`cargo build --package {package}` failed"),
+            Self::NoLibrary { package } => {
+                write!(
+                    f,
+                    "{package} has no dynamic library; its crate-type must be cdylib"
+                )
+            }
+            Self::UnknownPlatform { platform } => {
+                write!(f, "FMI 2.0 has no name for the platform {platform}")
+            }
+            Self::Load { path, source } => write!(f, "{}: {source}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { source, .. } => Some(source),
+            Self::Zip { source, .. } => Some(source),
+            Self::Write(source) => Some(source),
+            Self::Parse(source) => Some(source),
+            Self::Load { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
