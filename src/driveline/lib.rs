@@ -3,7 +3,12 @@
 //! Driveline of a vehicle with dual-clutch transmission (DCT): the mathematics of one paper.
 
 pub mod clutch;
+pub mod integrate;
 pub mod params;
+pub mod plant;
+pub mod plant_matrices;
+pub mod plant_modes;
+mod shaft;
 
 pub use clutch::ForceMap;
 pub use params::Params;

@@ -103,8 +103,18 @@ impl Params {
         c_o: 567.0,
         j_v: 134.6,
         clutch: [
-            ClutchParams { mu_k: 0.26, mu_s: 0.30, r_c_n: 0.095, map: ForceMap::CLUTCH_1 },
-            ClutchParams { mu_k: 0.22, mu_s: 0.25, r_c_n: 0.095, map: ForceMap::CLUTCH_2 },
+            ClutchParams {
+                mu_k: 0.26,
+                mu_s: 0.30,
+                r_c_n: 0.095,
+                map: ForceMap::CLUTCH_1,
+            },
+            ClutchParams {
+                mu_k: 0.22,
+                mu_s: 0.25,
+                r_c_n: 0.095,
+                map: ForceMap::CLUTCH_2,
+            },
         ],
         road: RoadParams {
             m_v: 1500.0,
@@ -121,7 +131,9 @@ impl Params {
     ///
     /// `shaft`: 0 carries gears 1, 3, 5, 7 and 1 carries 2, 4, 6, 8. `gear`: number of the gear.
     pub fn i_t(&self, shaft: usize, gear: i32) -> f64 {
-        let position = usize::try_from(gear).ok().and_then(|gear| gear.checked_sub(shaft + 1));
+        let position = usize::try_from(gear)
+            .ok()
+            .and_then(|gear| gear.checked_sub(shaft + 1));
         match (position, self.i_t.get(shaft)) {
             (Some(position), Some(gears)) if position.is_multiple_of(2) => {
                 gears.get(position / 2).copied().unwrap_or(0.0)
@@ -181,7 +193,14 @@ mod tests {
 
     #[test]
     fn a_gear_sits_on_one_shaft_only() {
-        let cases = [(0, 1, 3.0), (1, 2, 2.4), (0, 2, 0.0), (1, 1, 0.0), (0, 0, 0.0), (1, -1, 0.0)];
+        let cases = [
+            (0, 1, 3.0),
+            (1, 2, 2.4),
+            (0, 2, 0.0),
+            (1, 1, 0.0),
+            (0, 0, 0.0),
+            (1, -1, 0.0),
+        ];
         for (shaft, gear, ratio) in cases {
             assert_eq!(P.i_t(shaft, gear), ratio, "shaft {shaft} gear {gear}");
         }

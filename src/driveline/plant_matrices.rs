@@ -1,0 +1,382 @@
+//! The driveline (1)-(10) as matrices, one set per choice of engaged clutches.
+//!
+//! With x the state and v = (T_e, T_c1, T_c2, T_v) the torques, the open driveline is
+//! x' = A x + B v. An engaged clutch replaces its entry of v by the constraint torque that keeps
+//! d/dt (ω_d − ω_ci) = 0; both engaged is the 2×2 case of the same formula.
+//!
+//! Springs act through the transpose of the row that reads their rate of twist, and inertias through
+//! the mobility W = Q (Qᵀ J Q)⁻¹ Qᵀ, where speeds = Q·(free speeds). So the rigid variant, with
+//! ω_ci = g_i ω_o, differs from the compliant one in W alone.
+
+use nalgebra::{Matrix2, SMatrix, SVector};
+
+use crate::Params;
+
+/// Number of states: ω_e ω_d ω_c1 ω_c2 ω_o ω_w, then the twists of damper, transfer shafts, drive
+/// shaft.
+pub const STATES: usize = 10;
+/// Number of speeds among the states.
+pub const SPEEDS: usize = 6;
+/// Number of torques: T_e, T_c1, T_c2, T_v.
+pub const TORQUES: usize = 4;
+/// State, torques and their ramps.
+pub const AUGMENTED: usize = STATES + 2 * TORQUES;
+
+/// Index of ω_e in the state.
+pub const E: usize = 0;
+/// Index of ω_d in the state.
+pub const D: usize = 1;
+/// Index of ω_c1 in the state; ω_c2 follows.
+pub const C: usize = 2;
+/// Index of ω_o in the state.
+pub const O: usize = 4;
+/// Index of ω_w in the state.
+pub const W: usize = 5;
+/// Index of the damper's twist θ_e − θ_d in the state.
+pub const TWIST_D: usize = 6;
+/// Index of the first transfer shaft's twist in the state; the second follows.
+pub const TWIST_T: usize = 7;
+/// Index of the drive shaft's twist θ_o − θ_w in the state.
+pub const TWIST_O: usize = 9;
+
+/// State of the driveline, shape (10).
+pub type State = SVector<f64, STATES>;
+/// T_e, T_c1, T_c2, T_v [N·m], shape (4).
+pub type Torques = SVector<f64, TORQUES>;
+
+/// One torsional spring-damper: T = k·twist + c·rate, rate = `rate`·speeds.
+#[derive(Debug, Clone, Copy)]
+struct Spring {
+    rate: SVector<f64, SPEEDS>,
+    k: f64,
+    c: f64,
+}
+
+/// The driveline with one choice of engaged clutches.
+#[derive(Debug, Clone, Copy)]
+pub struct System {
+    /// A of x' = A x + B v, shape (10, 10).
+    pub a: SMatrix<f64, STATES, STATES>,
+    /// B of x' = A x + B v, shape (10, 4); zero in the columns of engaged clutches.
+    pub b: SMatrix<f64, STATES, TORQUES>,
+    /// T_c = `t_c_x` x + `t_c_v` v, shape (2, 10).
+    pub t_c_x: SMatrix<f64, 2, STATES>,
+    /// T_c = `t_c_x` x + `t_c_v` v, shape (2, 4).
+    pub t_c_v: SMatrix<f64, 2, TORQUES>,
+    /// Speed change per slip removed by an impulse in the engaged clutches, shape (10, 2).
+    pub projection: SMatrix<f64, STATES, 2>,
+}
+
+impl System {
+    /// x' [rad/s², rad/s], shape (10).
+    pub fn derivative(&self, x: &State, v: &Torques) -> State {
+        self.a * x + self.b * v
+    }
+
+    /// T_c1, T_c2 [N·m], shape (2): entry of v, or the constraint torque of an engaged clutch.
+    pub fn clutch_torque(&self, x: &State, v: &Torques) -> [f64; 2] {
+        (self.t_c_x * x + self.t_c_v * v).into()
+    }
+}
+
+/// The driveline with the gears preselected: what holds for every choice of engaged clutches.
+#[derive(Debug, Clone, Copy)]
+pub struct Systems {
+    /// Gears preselected on the two shafts, shape (2).
+    pub gear: [i32; 2],
+    /// ω_ci = g_i ω_o holds exactly; 0 where it does not (compliant, neutral), shape (2).
+    pub rigid_ratio: [f64; 2],
+    /// By engaged clutches: none, clutch 1, clutch 2, both.
+    pub by_stuck: [System; 4],
+    /// Damper, transfer shafts 1 and 2, drive shaft: rows that read their torque, shape (4, 10).
+    pub spring_torque: SMatrix<f64, 4, STATES>,
+    /// Σ c·rate²: power lost in the dampers as a quadratic form of the state, shape (10, 10).
+    pub viscous: SMatrix<f64, STATES, STATES>,
+    /// Twice the stored energy is Σ `storage` x², shape (10).
+    pub storage: State,
+}
+
+/// Rows that read ω_d − ω_ci from the speeds, shape (6).
+fn slip_row(clutch: usize) -> SVector<f64, SPEEDS> {
+    let mut row = SVector::zeros();
+    row[D] = 1.0;
+    row[C + clutch] = -1.0;
+    row
+}
+
+/// ω_d − ω_ci [rad/s], shape (2).
+pub fn slip(x: &State) -> [f64; 2] {
+    [x[D] - x[C], x[D] - x[C + 1]]
+}
+
+impl Systems {
+    /// Matrices of the driveline with the gears preselected on the two shafts; 0 is neutral.
+    pub fn new(p: &Params, gear: [i32; 2]) -> Self {
+        let springs = springs(p, gear);
+        let mobility = mobility(p, gear);
+        let (a, b) = open_driveline(&springs, &mobility);
+        let stuck = |set: usize| engaged_driveline(&a, &b, &mobility, set);
+        let g = p.g(gear);
+        Self {
+            gear,
+            rigid_ratio: if p.rigid { g } else { [0.0; 2] },
+            by_stuck: [stuck(0), stuck(1), stuck(2), stuck(3)],
+            spring_torque: spring_torque(&springs),
+            viscous: viscous(&springs),
+            storage: storage(p, &springs),
+        }
+    }
+
+    /// Kinetic and elastic energy [J].
+    pub fn stored_energy(&self, x: &State) -> f64 {
+        0.5 * self.storage.dot(&x.component_mul(x))
+    }
+}
+
+fn springs(p: &Params, gear: [i32; 2]) -> [Spring; 4] {
+    let between = |from: usize, to: usize| {
+        let mut rate = SVector::zeros();
+        rate[from] = 1.0;
+        rate[to] = -1.0;
+        rate
+    };
+    let transfer = |shaft: usize| {
+        let mut rate = SVector::zeros();
+        let i_t = p.i_t(shaft, gear[shaft]);
+        if p.rigid || i_t == 0.0 {
+            return Spring {
+                rate,
+                k: 0.0,
+                c: 0.0,
+            };
+        }
+        rate[C + shaft] = 1.0 / i_t;
+        rate[O] = -p.i_f[shaft];
+        Spring {
+            rate,
+            k: p.k_t[shaft],
+            c: p.c_t[shaft],
+        }
+    };
+    [
+        Spring {
+            rate: between(E, D),
+            k: p.k_d,
+            c: p.c_d,
+        },
+        transfer(0),
+        transfer(1),
+        Spring {
+            rate: between(O, W),
+            k: p.k_o,
+            c: p.c_o,
+        },
+    ]
+}
+
+/// W: accelerations = W·(torques on the six inertias), shape (6, 6).
+fn mobility(p: &Params, gear: [i32; 2]) -> SMatrix<f64, SPEEDS, SPEEDS> {
+    let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
+    let mut mobility = SMatrix::from_diagonal(&SVector::from(j.map(|j| 1.0 / j)));
+    if !p.rigid {
+        return mobility;
+    }
+    let g = p.g(gear);
+    let mut moves = SVector::<f64, SPEEDS>::zeros();
+    moves[O] = 1.0;
+    for shaft in [0, 1] {
+        moves[C + shaft] = g[shaft];
+        if g[shaft] != 0.0 {
+            mobility[(C + shaft, C + shaft)] = 0.0;
+        }
+    }
+    mobility[(O, O)] = 0.0;
+    mobility + moves * moves.transpose() / p.j_out(g)
+}
+
+type Open = (SMatrix<f64, STATES, STATES>, SMatrix<f64, STATES, TORQUES>);
+
+fn open_driveline(springs: &[Spring; 4], mobility: &SMatrix<f64, SPEEDS, SPEEDS>) -> Open {
+    let mut a = SMatrix::<f64, STATES, STATES>::zeros();
+    let torque = spring_torque(springs);
+    for (j, spring) in springs.iter().enumerate() {
+        let acts = mobility * spring.rate;
+        let mut speeds = a.fixed_rows_mut::<SPEEDS>(0);
+        speeds -= acts * torque.row(j);
+        a.fixed_view_mut::<1, SPEEDS>(TWIST_D + j, 0)
+            .copy_from(&spring.rate.transpose());
+    }
+    let mut acts = SMatrix::<f64, SPEEDS, TORQUES>::zeros();
+    acts[(E, 0)] = 1.0;
+    acts.set_column(1, &-slip_row(0));
+    acts.set_column(2, &-slip_row(1));
+    acts[(W, 3)] = -1.0;
+    let mut b = SMatrix::<f64, STATES, TORQUES>::zeros();
+    b.fixed_rows_mut::<SPEEDS>(0).copy_from(&(mobility * acts));
+    (a, b)
+}
+
+/// The open driveline with the clutches of `set` (bit i: clutch i) held at zero slip.
+fn engaged_driveline(
+    a: &SMatrix<f64, STATES, STATES>,
+    b: &SMatrix<f64, STATES, TORQUES>,
+    mobility: &SMatrix<f64, SPEEDS, SPEEDS>,
+    set: usize,
+) -> System {
+    let stuck = [0, 1].map(|clutch| set >> clutch & 1 == 1);
+    let mut rows = SMatrix::<f64, 2, STATES>::zeros();
+    let mut free = *b;
+    let mut t_c_v = SMatrix::<f64, 2, TORQUES>::zeros();
+    for clutch in [0, 1] {
+        if stuck[clutch] {
+            rows.fixed_view_mut::<1, SPEEDS>(clutch, 0)
+                .copy_from(&slip_row(clutch).transpose());
+            free.column_mut(1 + clutch).fill(0.0);
+        } else {
+            t_c_v[(clutch, 1 + clutch)] = 1.0;
+        }
+    }
+    let speeds = rows.fixed_columns::<SPEEDS>(0).transpose();
+    let inverse = inverse_of_stuck(&(speeds.transpose() * mobility * speeds), stuck);
+    let mut projection = SMatrix::<f64, STATES, 2>::zeros();
+    projection
+        .fixed_rows_mut::<SPEEDS>(0)
+        .copy_from(&(mobility * speeds * inverse));
+    let t_c_x = inverse * rows * a;
+    t_c_v += inverse * rows * free;
+    let act = b.fixed_columns::<2>(1);
+    let mut b = free;
+    b.fixed_columns_mut::<2>(1).fill(0.0);
+    System {
+        a: a + act * t_c_x,
+        b: b + act * t_c_v,
+        t_c_x,
+        t_c_v,
+        projection,
+    }
+}
+
+/// Inverse on the engaged clutches, zero elsewhere, shape (2, 2).
+fn inverse_of_stuck(m: &Matrix2<f64>, stuck: [bool; 2]) -> Matrix2<f64> {
+    match stuck {
+        [true, true] => m.try_inverse().unwrap_or_default(),
+        [one, two] => Matrix2::from_diagonal(
+            &[(one, m[(0, 0)]), (two, m[(1, 1)])]
+                .map(|(is, m)| if is { 1.0 / m } else { 0.0 })
+                .into(),
+        ),
+    }
+}
+
+fn spring_torque(springs: &[Spring; 4]) -> SMatrix<f64, 4, STATES> {
+    let mut rows = SMatrix::<f64, 4, STATES>::zeros();
+    for (j, spring) in springs.iter().enumerate() {
+        rows.fixed_view_mut::<1, SPEEDS>(j, 0)
+            .copy_from(&(spring.c * spring.rate.transpose()));
+        rows[(j, TWIST_D + j)] = spring.k;
+    }
+    rows
+}
+
+fn viscous(springs: &[Spring; 4]) -> SMatrix<f64, STATES, STATES> {
+    let mut form = SMatrix::<f64, STATES, STATES>::zeros();
+    for spring in springs {
+        let mut speeds = form.fixed_view_mut::<SPEEDS, SPEEDS>(0, 0);
+        speeds += spring.c * spring.rate * spring.rate.transpose();
+    }
+    form
+}
+
+fn storage(p: &Params, springs: &[Spring; 4]) -> State {
+    let [damper, shaft_1, shaft_2, drive] = springs.map(|spring| spring.k);
+    let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
+    State::from([
+        j[0], j[1], j[2], j[3], j[4], j[5], damper, shaft_1, shaft_2, drive,
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{C, D, O, State, Systems, Torques};
+    use crate::Params;
+
+    const V: [f64; 4] = [60.0, 40.0, -25.0, 300.0];
+
+    fn state() -> State {
+        State::from([
+            200.0, 198.0, 190.0, 150.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
+        ])
+    }
+
+    #[test]
+    fn engaged_clutches_keep_their_slip() {
+        for rigid in [false, true] {
+            let systems = Systems::new(
+                &Params {
+                    rigid,
+                    ..Params::TABLE_1
+                },
+                [1, 2],
+            );
+            for set in 0..4_usize {
+                let x_dot = systems.by_stuck[set].derivative(&state(), &Torques::from(V));
+                for clutch in (0..2).filter(|clutch| set >> clutch & 1 == 1) {
+                    assert!((x_dot[D] - x_dot[C + clutch]).abs() < 1e-7, "{rigid} {set}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn constraint_torque_as_an_input_gives_the_same_motion() {
+        let systems = Systems::new(&Params::TABLE_1, [1, 2]);
+        for set in 0..4_usize {
+            let mut v = Torques::from(V);
+            let engaged = systems.by_stuck[set].derivative(&state(), &v);
+            let t_c = systems.by_stuck[set].clutch_torque(&state(), &v);
+            (v[1], v[2]) = (t_c[0], t_c[1]);
+            let open = systems.by_stuck[0].derivative(&state(), &v);
+            assert!((engaged - open).amax() < 1e-7 * open.amax());
+        }
+    }
+
+    #[test]
+    fn energy_balances_at_every_instant() {
+        for rigid in [false, true] {
+            let p = Params {
+                rigid,
+                ..Params::TABLE_1
+            };
+            let systems = Systems::new(&p, [1, 2]);
+            let mut x = state();
+            for clutch in [0, 1] {
+                if rigid {
+                    x[C + clutch] = p.g([1, 2])[clutch] * x[O];
+                }
+            }
+            let v = Torques::from(V);
+            let x_dot = systems.by_stuck[0].derivative(&x, &v);
+            let stored = systems.storage.component_mul(&x).dot(&x_dot);
+            let [one, two] = super::slip(&x);
+            let used = v[1] * one + v[2] * two + v[3] * x[5] + (systems.viscous * x).dot(&x);
+            assert!((v[0] * x[0] - stored - used).abs() < 1e-6 * used.abs());
+        }
+    }
+
+    #[test]
+    fn neutral_cuts_the_shaft_from_the_output() {
+        for rigid in [false, true] {
+            let p = Params {
+                rigid,
+                ..Params::TABLE_1
+            };
+            let systems = Systems::new(&p, [1, 0]);
+            let x_dot = |t_c2: f64| {
+                systems.by_stuck[0]
+                    .derivative(&State::zeros(), &Torques::from([0.0, 0.0, t_c2, 0.0]))
+            };
+            assert_eq!(x_dot(50.0)[O], 0.0);
+            assert!((x_dot(50.0)[C + 1] - 50.0 / p.j_ct[1]).abs() < 1e-9);
+        }
+    }
+}

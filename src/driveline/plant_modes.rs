@@ -1,0 +1,260 @@
+//! Clutch modes (6), (7) and the guards that end them.
+//!
+//! At zero slip the sets {stuck, forward, backward} per clutch are enumerated and the consistent one is
+//! taken: a stuck clutch needs |T_c| ≤ μ_s F_n r_c N, a slipping one a slip that grows in its
+//! direction. Most clutches stuck wins; of two, the more loaded one slips.
+
+use crate::Params;
+use crate::plant_matrices::{State, System, Systems, Torques, slip};
+
+/// Slip below which two shafts turn together [rad/s]: round-off of a step of constrained motion.
+const ZERO_SLIP: f64 = 1e-10;
+/// Round-off of a capacity [1].
+const CAPACITY_MARGIN: f64 = 1e-12;
+/// Round-off of a guard that starts at zero: slip [rad/s] and torque [N·m].
+const GUARD_TOLERANCE: f64 = 1e-10;
+
+/// What a clutch does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// No normal force: T_c = 0.
+    Open,
+    /// Slipping, engine side faster: T_c = μ_k F_n r_c N.
+    Forward,
+    /// Slipping, engine side slower: T_c = −μ_k F_n r_c N.
+    Backward,
+    /// No slip: T_c is the constraint torque.
+    Stuck,
+}
+
+impl Mode {
+    /// sgn(slip) of a slipping clutch, 0 otherwise [1].
+    pub const fn direction(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+            Self::Open | Self::Stuck => 0.0,
+        }
+    }
+
+    const fn slipping(direction: f64) -> Self {
+        if direction >= 0.0 {
+            Self::Forward
+        } else {
+            Self::Backward
+        }
+    }
+}
+
+/// The engaged clutches of a pair as a set (bit i: clutch i).
+pub fn stuck_set(modes: [Mode; 2]) -> usize {
+    usize::from(modes[0] == Mode::Stuck) | usize::from(modes[1] == Mode::Stuck) << 1
+}
+
+/// What happened to the clutches at an instant.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Event {
+    /// The slip came to zero, shape (2).
+    pub reached: [bool; 2],
+    /// The torque went beyond what sticks, shape (2).
+    pub broken: [bool; 2],
+    /// The normal force came to zero, shape (2).
+    pub opened: [bool; 2],
+}
+
+impl Event {
+    /// Whether nothing happened.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A value that must stay ≥ 0, with its rate.
+#[derive(Debug, Clone, Copy)]
+pub struct Guard {
+    /// Value, in the unit of what is watched.
+    pub value: f64,
+    /// Rate of the value [1/s].
+    pub rate: f64,
+}
+
+/// What an interval between two guards shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Crossing {
+    /// Stayed ≥ 0.
+    None,
+    /// May have gone below zero and returned: look closer.
+    Possible,
+    /// Below zero at the end.
+    Found,
+}
+
+impl Guard {
+    /// Compares the guard at both ends of an interval of `t` [s].
+    ///
+    /// A dip lies above the two end tangents where it is convex, so it is safe when they meet above zero.
+    pub fn crossing(self, end: Self, t: f64) -> Crossing {
+        if end.value < -GUARD_TOLERANCE {
+            return Crossing::Found;
+        }
+        if self.rate >= 0.0 || end.rate <= 0.0 {
+            return Crossing::None;
+        }
+        let meet = (end.value - end.rate * t - self.value) / (self.rate - end.rate);
+        let low = self.value + self.rate * meet.clamp(0.0, t);
+        if low < -GUARD_TOLERANCE {
+            Crossing::Possible
+        } else {
+            Crossing::None
+        }
+    }
+}
+
+/// Normal forces and torques at the instant at which modes are chosen.
+#[derive(Debug, Clone, Copy)]
+pub struct Load {
+    /// T_e, and T_v with the brake [N·m]; entries of the clutches are not used.
+    pub torques: Torques,
+    /// Largest friction torque of each slipping clutch, μ_k F_n r_c N [N·m], shape (2).
+    pub kinetic: [f64; 2],
+    /// Largest torque of each engaged clutch, μ_s F_n r_c N [N·m], shape (2).
+    pub peak: [f64; 2],
+    /// A normal force acts just after the instant, shape (2).
+    pub pressed: [bool; 2],
+}
+
+impl Load {
+    /// Load with normal forces `force` [N] on the clutches of `p`.
+    pub fn new(p: &Params, torques: Torques, force: [f64; 2], pressed: [bool; 2]) -> Self {
+        let capacity = |i: usize| force[i] * p.clutch[i].r_c_n;
+        Self {
+            torques,
+            kinetic: [0, 1].map(|i| p.clutch[i].mu_k * capacity(i)),
+            peak: [0, 1].map(|i| p.clutch[i].mu_s * capacity(i)),
+            pressed,
+        }
+    }
+
+    /// v with the friction torques of slipping clutches, shape (4).
+    fn torques_in(&self, modes: [Mode; 2]) -> Torques {
+        let mut v = self.torques;
+        for i in [0, 1] {
+            v[1 + i] = modes[i].direction() * self.kinetic[i];
+        }
+        v
+    }
+}
+
+/// Removes the slip of the clutches in `set` by impulses in them; momentum is kept.
+pub fn project(systems: &Systems, set: usize, x: &mut State) {
+    let removed = slip(x);
+    *x -= systems.by_stuck[set].projection * nalgebra::Vector2::from(removed);
+}
+
+/// Modes that are consistent just after an instant.
+///
+/// `before`: modes up to the instant. `event`: what happened at it; a clutch that broke away may not stick.
+pub fn resolve(
+    systems: &Systems,
+    x: &State,
+    load: &Load,
+    before: [Mode; 2],
+    event: &Event,
+) -> [Mode; 2] {
+    let slip = slip(x);
+    let choices = [0, 1].map(|i| {
+        let at_zero = before[i] == Mode::Stuck || slip[i].abs() <= ZERO_SLIP;
+        choices(load.pressed[i], at_zero, event.broken[i], slip[i])
+    });
+    if let ([one], [two]) = (choices[0], choices[1]) {
+        return [*one, *two];
+    }
+    let mut best: Option<([Mode; 2], usize, f64)> = None;
+    for &one in choices[0] {
+        for &two in choices[1] {
+            let modes = [one, two];
+            let Some((stuck, loading)) = consistent(systems, x, load, choices, modes) else {
+                continue;
+            };
+            if best.is_none_or(|(_, most, least)| stuck > most || stuck == most && loading < least)
+            {
+                best = Some((modes, stuck, loading));
+            }
+        }
+    }
+    best.map_or_else(
+        || by_constraint_torque(systems, x, load, choices),
+        |(modes, ..)| modes,
+    )
+}
+
+fn choices(pressed: bool, at_zero: bool, broken: bool, slip: f64) -> &'static [Mode] {
+    match (pressed, at_zero, broken) {
+        (false, ..) => &[Mode::Open],
+        (true, true, false) => &[Mode::Stuck, Mode::Forward, Mode::Backward],
+        (true, true, true) => &[Mode::Forward, Mode::Backward],
+        (true, false, _) if slip > 0.0 => &[Mode::Forward],
+        (true, false, _) => &[Mode::Backward],
+    }
+}
+
+/// How many clutches `modes` engages and how loaded they would be all engaged; None: inconsistent.
+fn consistent(
+    systems: &Systems,
+    x: &State,
+    load: &Load,
+    choices: [&[Mode]; 2],
+    modes: [Mode; 2],
+) -> Option<(usize, f64)> {
+    let system = &systems.by_stuck[stuck_set(modes)];
+    let v = load.torques_in(modes);
+    let torque = system.clutch_torque(x, &v);
+    let slip_dot = slip(&system.derivative(x, &v));
+    let all = loading(systems, x, load, choices);
+    let (mut stuck, mut loaded) = (0, 0.0);
+    for i in (0..2).filter(|i| choices[*i].len() > 1) {
+        if modes[i] == Mode::Stuck {
+            if torque[i].abs() > load.peak[i] * (1.0 + CAPACITY_MARGIN) {
+                return None;
+            }
+            stuck += 1;
+            loaded += all[i];
+        } else if modes[i].direction() * slip_dot[i] <= 0.0 {
+            return None;
+        }
+    }
+    Some((stuck, loaded))
+}
+
+/// |T_c| / (μ_s F_n r_c N) with every clutch stuck that may be, shape (2) [1].
+fn loading(systems: &Systems, x: &State, load: &Load, choices: [&[Mode]; 2]) -> [f64; 2] {
+    let torque = first_torque(systems, x, load, choices);
+    [0, 1].map(|i| torque[i].abs() / load.peak[i].max(f64::MIN_POSITIVE))
+}
+
+fn first_torque(systems: &Systems, x: &State, load: &Load, choices: [&[Mode]; 2]) -> [f64; 2] {
+    let first = choices.map(|choices| choices.first().copied().unwrap_or(Mode::Open));
+    let system: &System = &systems.by_stuck[stuck_set(first)];
+    system.clutch_torque(x, &load.torques_in(first))
+}
+
+/// Round-off left no consistent set: every clutch at zero slip follows the torque that would hold it.
+fn by_constraint_torque(
+    systems: &Systems,
+    x: &State,
+    load: &Load,
+    choices: [&[Mode]; 2],
+) -> [Mode; 2] {
+    let held = choices.map(|set| {
+        if set.len() > 1 {
+            &[Mode::Stuck][..]
+        } else {
+            set
+        }
+    });
+    let torque = first_torque(systems, x, load, held);
+    [0, 1].map(|i| match choices[i] {
+        [only] => *only,
+        _ => Mode::slipping(torque[i]),
+    })
+}

@@ -1,0 +1,183 @@
+//! Reads the files of `tests/golden`; its README says what they hold.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+
+use dct_driveline::plant::ClutchState;
+use dct_driveline::plant_modes::Mode;
+
+/// Steps of an event that round-off at the touch point may move it by; no torque behind it.
+const TOUCH_STEPS: f64 = 2.0;
+
+/// Columns of a CSV by name.
+pub struct Table {
+    columns: BTreeMap<String, Vec<f64>>,
+}
+
+/// A change of a clutch's state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClutchEvent {
+    pub time: f64,
+    clutch: usize,
+    from: String,
+    to: String,
+    direction: f64,
+}
+
+/// A reference run.
+pub struct Case {
+    pub h: f64,
+    pub stop: f64,
+    pub omega_e: f64,
+    pub v: f64,
+    pub rigid: bool,
+    pub turnover: f64,
+    pub events: Vec<ClutchEvent>,
+    pub scenario: Table,
+    rows: Vec<Vec<f64>>,
+}
+
+impl ClutchEvent {
+    pub fn new(time: f64, clutch: usize, from: Mode, to: Mode) -> Self {
+        let name = |mode: Mode| format!("{:?}", ClutchState::from(mode)).to_lowercase();
+        Self {
+            time,
+            clutch,
+            from: name(from),
+            to: name(to),
+            direction: to.direction(),
+        }
+    }
+
+    fn is_like(&self, other: &Self) -> bool {
+        Self {
+            time: other.time,
+            ..self.clone()
+        } == *other
+    }
+
+    /// Touching or opening: no torque acts yet or any more.
+    fn is_touch(&self) -> bool {
+        self.from == "disengaged" || self.to == "disengaged"
+    }
+}
+
+impl Table {
+    fn read(name: &str) -> Self {
+        let text = text(name);
+        let mut lines = text.lines();
+        let names: Vec<String> = lines.next().unwrap().split(',').map(String::from).collect();
+        let rows: Vec<Vec<f64>> = lines
+            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+            .collect();
+        let column = |j: usize| rows.iter().map(|row| row[j]).collect();
+        Self {
+            columns: names
+                .into_iter()
+                .enumerate()
+                .map(|(j, name)| (name, column(j)))
+                .collect(),
+        }
+    }
+
+    /// Value of a column at `time`, linear between its rows, constant outside.
+    pub fn at(&self, name: &str, time: f64) -> f64 {
+        let (t, y) = (&self.columns["time"], &self.columns[name]);
+        let end = t.partition_point(|t| *t <= time);
+        if end == 0 {
+            return y[0];
+        }
+        if end == t.len() {
+            return y[end - 1];
+        }
+        let start = end - 1;
+        y[start] + (y[end] - y[start]) / (t[end] - t[start]) * (time - t[start])
+    }
+}
+
+impl Case {
+    pub fn read(name: &str) -> Self {
+        let about = text(&format!("{name}.json"));
+        let table = text(&format!("{name}.csv"));
+        let rows = table
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect());
+        Self {
+            h: number(&about, "h"),
+            stop: number(&about, "stop"),
+            omega_e: number(&about, "engine.speed_start"),
+            v: number(&about, "vehicle.speed_start"),
+            rigid: about.contains("\"transmission.rigid\": true"),
+            turnover: number(&text(&format!("{name}.energy.json")), "turnover"),
+            events: events(&text(&format!("{name}.events.json"))),
+            scenario: Table::read(&field(&about, "scenario")),
+            rows: rows.collect(),
+        }
+    }
+
+    /// The row at `time` without its time, if there is one.
+    pub fn row(&self, time: f64) -> Option<&[f64]> {
+        let found = self.rows.partition_point(|row| row[0] < time - 1e-7);
+        self.rows
+            .get(found)
+            .filter(|row| (row[0] - time).abs() < 1e-7)
+            .map(|row| &row[1..])
+    }
+
+    /// Largest difference in time from the reference's events [s], which must be the same ones.
+    pub fn compare_events(&self, ours: &[ClutchEvent]) -> f64 {
+        let like = ours.len() == self.events.len()
+            && ours
+                .iter()
+                .zip(&self.events)
+                .all(|(ours, theirs)| ours.is_like(theirs));
+        assert!(like, "events {ours:#?}\nreference {:#?}", self.events);
+        let miss = |(ours, theirs): (&ClutchEvent, &ClutchEvent)| {
+            let miss = (ours.time - theirs.time).abs();
+            let allowed = if ours.is_touch() {
+                TOUCH_STEPS * self.h
+            } else {
+                0.0
+            };
+            if miss <= allowed * (1.0 + 1e-9) {
+                0.0
+            } else {
+                miss
+            }
+        };
+        ours.iter().zip(&self.events).map(miss).fold(0.0, f64::max)
+    }
+}
+
+fn text(name: &str) -> String {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden");
+    fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The value of a key in flat JSON, as text.
+fn field(json: &str, key: &str) -> String {
+    let (_, after) = json
+        .split_once(&format!("\"{key}\":"))
+        .unwrap_or_else(|| panic!("no {key}"));
+    let end = after.find([',', '}', '\n']).unwrap();
+    after[..end].trim().trim_matches('"').to_string()
+}
+
+fn number(json: &str, key: &str) -> f64 {
+    field(json, key).parse().unwrap()
+}
+
+fn events(json: &str) -> Vec<ClutchEvent> {
+    json.split('{')
+        .skip(1)
+        .map(|event| ClutchEvent {
+            time: number(event, "time"),
+            clutch: if field(event, "clutch") == "1" { 0 } else { 1 },
+            from: field(event, "from"),
+            to: field(event, "to"),
+            direction: number(event, "direction"),
+        })
+        .collect()
+}
