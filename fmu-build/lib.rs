@@ -9,6 +9,7 @@
 //! machine. Two builds give the same bytes.
 
 mod archive;
+mod check;
 mod description;
 mod error;
 pub mod library;
@@ -16,6 +17,7 @@ pub mod models;
 mod variables_md;
 
 pub use archive::package;
+pub use check::{Finding, Report, Severity, check};
 pub use description::describe;
 pub use error::{Error, Result};
 
