@@ -6,8 +6,10 @@ pub mod clutch;
 pub mod integrate;
 pub mod params;
 pub mod plant;
+mod plant_block;
 pub mod plant_matrices;
 pub mod plant_modes;
+mod plant_ports;
 mod shaft;
 
 pub use clutch::ForceMap;

@@ -3,6 +3,13 @@
 //! Limits: events within 0.1 ms, speeds within 1e-3 rad/s and torques within 1e-2 N·m away from ±2 ms
 //! of an event.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "helpers of tests"
+)]
+
 mod golden_files;
 
 use dct_driveline::Params;
@@ -80,47 +87,56 @@ fn compare(case: &Case, time: f64, y: &Output, misfit: &mut Misfit) {
     }
 }
 
-fn run(name: &str) -> Misfit {
-    let case = Case::read(name);
+/// Derivatives that reach `end` from `start` in `t` [s].
+fn rate_between(start: &Input, end: &Input, t: f64) -> InputRate {
+    InputRate {
+        t_e: (end.t_e - start.t_e) / t,
+        force: [0, 1].map(|i| (end.force[i] - start.force[i]) / t),
+        t_brake: 0.0,
+        phi: (end.phi - start.phi) / t,
+    }
+}
+
+/// Runs a case over steps of `h` [s], inputs held or, with `ramps`, with their derivatives.
+fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
     let p = Params {
         rigid: case.rigid,
         ..Params::TABLE_1
     };
-    let mut propagators = Propagators::new(&p, [1, 2], case.h);
-    let mut plant = Plant::start(&p, &input_at(&case, &p, 0.0), case.omega_e, case.v);
+    let mut propagators = Propagators::new(&p, [1, 2], h);
+    let mut plant = Plant::start(&p, &input_at(case, &p, 0.0), case.omega_e, case.v);
     let mut misfit = Misfit::default();
     let mut ours = Vec::new();
-    let mut k = 0_u32;
-    let mut time = 0.0;
+    let (mut k, mut time) = (0_u32, 0.0);
     while time < case.stop - 1e-9 {
-        let input = input_at(&case, &p, time);
-        let end = (f64::from(k + 1) * case.h).min(case.stop);
+        let input = input_at(case, &p, time);
+        let end = (f64::from(k + 1) * h).min(case.stop);
         if !propagators.fits([1, 2], end - time) {
             propagators = Propagators::new(&p, [1, 2], end - time);
         }
-        plant.step_observed(
-            &p,
-            &propagators,
-            &input,
-            &InputRate::default(),
-            |offset, before, after| {
-                for i in (0..2).filter(|i| before[*i] != after[*i]) {
-                    ours.push(ClutchEvent::new(time + offset, i, before[i], after[i]));
-                }
-            },
-        );
+        let next = if ramps {
+            input_at(case, &p, end)
+        } else {
+            input
+        };
+        let rate = rate_between(&input, &next, end - time);
+        plant.step_observed(&p, &propagators, &input, &rate, |offset, before, after| {
+            for i in (0..2).filter(|i| before[*i] != after[*i]) {
+                ours.push(ClutchEvent::new(time + offset, i, before[i], after[i]));
+            }
+        });
         compare(
-            &case,
+            case,
             end,
-            &plant.outputs(&p, &propagators.systems, &input),
+            &plant.outputs(&p, &propagators.systems, &next),
             &mut misfit,
         );
         (k, time) = (k + 1, end);
     }
-    misfit.event = case.compare_events(&ours);
+    misfit.event = case.compare_events(&ours, h);
     let residual = plant.energy_residual(&propagators.systems).abs();
     println!(
-        "{name}: {misfit:?}, energy residual {residual:.1e} J of {:.1e} J",
+        "{misfit:?}, energy residual {residual:.1e} J of {:.1e} J",
         case.turnover
     );
     assert!(
@@ -130,23 +146,62 @@ fn run(name: &str) -> Misfit {
     misfit
 }
 
-fn check(name: &str) {
-    let misfit = run(name);
+fn check(case: &Case, h: f64, ramps: bool) {
+    let misfit = run(case, h, ramps);
     assert!(misfit.event < EVENT_LIMIT, "{misfit:?}");
     assert!(misfit.speed < SPEED_LIMIT, "{misfit:?}");
     assert!(misfit.torque < TORQUE_LIMIT, "{misfit:?}");
 }
 
-macro_rules! golden {
+macro_rules! held {
     ($($name:ident)*) => {$(
         #[test]
         fn $name() {
-            check(stringify!($name));
+            let case = Case::read(stringify!($name));
+            check(&case, case.h.unwrap(), false);
         }
     )*};
 }
 
-golden! {
+held! {
     paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
     slip_returns_h10 coast_grade hill_start launch_both launch_h10 launch_h1 launch_h01 last_step
+}
+
+/// Knots of the inputs at multiples of the step: what is left are bends of the maps inside steps.
+#[test]
+fn derivatives_of_inputs_follow_a_continuous_launch() {
+    check(&Case::read("launch_continuous"), 1e-3, true);
+}
+
+#[test]
+fn derivatives_of_inputs_follow_the_continuous_scenario() {
+    check(&Case::read("paper_continuous"), 1e-3, true);
+}
+
+#[test]
+fn derivatives_of_inputs_give_10_ms_the_quality_of_1_ms() {
+    let case = Case::read("launch_continuous");
+    let coarse = run(&case, 1e-2, true);
+    let fine = run(&case, 1e-3, false);
+    assert!(
+        coarse.event <= fine.event && coarse.speed <= fine.speed,
+        "{coarse:?} {fine:?}"
+    );
+    assert!(coarse.torque <= fine.torque, "{coarse:?} {fine:?}");
+}
+
+#[test]
+fn convergence_is_of_second_order() {
+    let misfits = ["launch_h10", "launch_h1", "launch_h01"].map(|name| {
+        let case = Case::read(name);
+        run(&case, case.h.unwrap(), false).speed
+    });
+    for pair in misfits.windows(2) {
+        let order = (pair[0] / pair[1]).log10();
+        assert!(
+            (1.9..2.1).contains(&order),
+            "order {order} from {misfits:?}"
+        );
+    }
 }

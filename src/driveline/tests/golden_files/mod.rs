@@ -27,7 +27,8 @@ pub struct ClutchEvent {
 
 /// A reference run.
 pub struct Case {
-    pub h: f64,
+    /// Step over which inputs are held [s]; None: continuous.
+    pub h: Option<f64>,
     pub stop: f64,
     pub omega_e: f64,
     pub v: f64,
@@ -105,7 +106,7 @@ impl Case {
             .skip(1)
             .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect());
         Self {
-            h: number(&about, "h"),
+            h: field(&about, "h").parse().ok(),
             stop: number(&about, "stop"),
             omega_e: number(&about, "engine.speed_start"),
             v: number(&about, "vehicle.speed_start"),
@@ -127,7 +128,7 @@ impl Case {
     }
 
     /// Largest difference in time from the reference's events [s], which must be the same ones.
-    pub fn compare_events(&self, ours: &[ClutchEvent]) -> f64 {
+    pub fn compare_events(&self, ours: &[ClutchEvent], h: f64) -> f64 {
         let like = ours.len() == self.events.len()
             && ours
                 .iter()
@@ -137,7 +138,7 @@ impl Case {
         let miss = |(ours, theirs): (&ClutchEvent, &ClutchEvent)| {
             let miss = (ours.time - theirs.time).abs();
             let allowed = if ours.is_touch() {
-                TOUCH_STEPS * self.h
+                TOUCH_STEPS * h
             } else {
                 0.0
             };

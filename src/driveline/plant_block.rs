@@ -1,0 +1,162 @@
+//! One block of the plant's motion: ramps of the torques over it, and the guards at its ends.
+
+use crate::Params;
+use crate::integrate::{Augmented, Rung};
+use crate::plant::Plant;
+use crate::plant_matrices::{STATES, State, Systems, TORQUES, Torques, W, slip};
+use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
+use crate::plant_ports::{Input, InputRate};
+
+/// Newton steps on the load at the end of a block; each squares the error left.
+const LOAD_ITERATIONS: u32 = 3;
+
+/// v with friction torques in slipping clutches, shape (4).
+pub(crate) fn torques(
+    p: &Params,
+    modes: [Mode; 2],
+    t_e: f64,
+    force: [f64; 2],
+    t_v: f64,
+) -> Torques {
+    let friction =
+        |i: usize| modes[i].direction() * p.clutch[i].mu_k * force[i] * p.clutch[i].r_c_n;
+    Torques::from([t_e, friction(0), friction(1), t_v])
+}
+
+/// A stretch of time without events, from z(0) to its end.
+pub(crate) struct Block {
+    t: f64,
+    pub(crate) z: Augmented,
+    pub(crate) x_end: State,
+    input: Input,
+    pub(crate) input_end: Input,
+    rate: InputRate,
+}
+
+impl Block {
+    /// The block over a rung, with the ramp of the load that meets (11) at its end.
+    pub(crate) fn new(
+        p: &Params,
+        plant: &Plant,
+        rung: &Rung,
+        input: &Input,
+        rate: &InputRate,
+    ) -> Self {
+        let input_end = input.after(rate, rung.t);
+        let t_v = input.load_torque(p, plant.x[W]);
+        let v = torques(p, plant.modes, input.t_e, input.force, t_v);
+        let v_dot = torques(p, plant.modes, rate.t_e, rate.force, 0.0);
+        let mut z = Augmented::zeros();
+        z.fixed_rows_mut::<STATES>(0).copy_from(&plant.x);
+        z.fixed_rows_mut::<TORQUES>(STATES).copy_from(&v);
+        z.fixed_rows_mut::<TORQUES>(STATES + TORQUES)
+            .copy_from(&v_dot);
+        z[STATES + 2 * TORQUES - 1] = load_ramp(p, rung, &z, &input_end);
+        Self {
+            t: rung.t,
+            z,
+            x_end: rung.end(&z),
+            input: *input,
+            input_end,
+            rate: *rate,
+        }
+    }
+
+    /// The worst crossing of any guard in the block, and the events found at its end.
+    pub(crate) fn events(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        modes: [Mode; 2],
+    ) -> (Crossing, Event) {
+        let mut worst = Crossing::None;
+        let mut event = Event::default();
+        let start = self.guards(p, systems, modes, 0.0);
+        let end = self.guards(p, systems, modes, self.t);
+        for i in [0, 1] {
+            let crossing = [0, 1].map(|k| start[i][k].crossing(end[i][k], self.t));
+            let found = crossing.map(|crossing| crossing == Crossing::Found);
+            if crossing.contains(&Crossing::Possible) && worst == Crossing::None {
+                worst = Crossing::Possible;
+            }
+            if found != [false; 2] {
+                worst = Crossing::Found;
+            }
+            event.reached[i] = found[0] && modes[i] != Mode::Stuck;
+            event.broken[i] = (found[0] || found[1]) && modes[i] == Mode::Stuck;
+            event.opened[i] = found[1] && modes[i] != Mode::Stuck;
+        }
+        (worst, event)
+    }
+
+    /// Guards of both clutches at `t` = 0 or at the end of the block, shape (2, 2).
+    ///
+    /// Slipping: slip in its direction, normal force. Stuck: capacity left forward and backward.
+    fn guards(&self, p: &Params, systems: &Systems, modes: [Mode; 2], t: f64) -> [[Guard; 2]; 2] {
+        let system = &systems.by_stuck[stuck_set(modes)];
+        let v_dot: Torques = self.z.fixed_rows::<TORQUES>(STATES + TORQUES).into_owned();
+        let v: Torques = self.z.fixed_rows::<TORQUES>(STATES) + v_dot * t;
+        let x: State = if t > 0.0 {
+            self.x_end
+        } else {
+            self.z.fixed_rows::<STATES>(0).into_owned()
+        };
+        let x_dot = system.derivative(&x, &v);
+        let (slip, slip_dot) = (slip(&x), slip(&x_dot));
+        let (torque, torque_dot) = (
+            system.clutch_torque(&x, &v),
+            system.clutch_torque(&x_dot, &v_dot),
+        );
+        [0, 1].map(|i| {
+            let (force, force_dot) = (
+                self.input.force[i] + self.rate.force[i] * t,
+                self.rate.force[i],
+            );
+            let sign = modes[i].direction();
+            let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n;
+            let (peak, peak_dot) = (reach * force, reach * force_dot);
+            match modes[i] {
+                Mode::Open => {
+                    [Guard {
+                        value: 0.0,
+                        rate: 0.0,
+                    }; 2]
+                }
+                Mode::Forward | Mode::Backward => [
+                    Guard {
+                        value: sign * slip[i],
+                        rate: sign * slip_dot[i],
+                    },
+                    Guard {
+                        value: force,
+                        rate: force_dot,
+                    },
+                ],
+                Mode::Stuck => [
+                    Guard {
+                        value: peak - torque[i],
+                        rate: peak_dot - torque_dot[i],
+                    },
+                    Guard {
+                        value: peak + torque[i],
+                        rate: peak_dot + torque_dot[i],
+                    },
+                ],
+            }
+        })
+    }
+}
+
+/// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method.
+fn load_ramp(p: &Params, rung: &Rung, z: &Augmented, input_end: &Input) -> f64 {
+    let t_v = z[STATES + TORQUES - 1];
+    let held = rung.wheel_speed(z);
+    let gain = rung.wheel_speed_by_load_ramp();
+    let mut ramp = 0.0;
+    for _ in 0..LOAD_ITERATIONS {
+        let omega_w = held + gain * ramp;
+        let miss = input_end.load_torque(p, omega_w) - t_v - ramp * rung.t;
+        ramp -= miss / (input_end.load_slope(p, omega_w) * gain - rung.t);
+    }
+    ramp
+}
