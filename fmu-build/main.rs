@@ -13,7 +13,8 @@ use std::process::ExitCode;
   cargo fmu build                          all FMUs into target/fmu
   cargo fmu build DctPlant --out /data     one FMU into a folder of your choice
   cargo fmu describe                       after a change in src/models
-  cargo fmu describe --check               fail when modelDescription/ is out of date"
+  cargo fmu describe --check               fail when modelDescription/ is out of date
+  cargo fmu check target/fmu/DctPlant.fmu  what an importer would stumble over"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -111,4 +112,30 @@ fn check(fmus: &[PathBuf]) -> Result<ExitCode, Box<dyn std::error::Error>> {
     } else {
         ExitCode::from(INVALID)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn the_examples_of_the_help_are_understood() {
+        let help = Arguments::command().get_after_help().unwrap().to_string();
+        let examples = help
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("cargo fmu "));
+        let examples: Vec<_> = examples.collect();
+        assert_eq!(examples.len(), 5);
+        for example in examples {
+            let words = example.split("  ").next().unwrap().split(' ');
+            let parsed = Arguments::try_parse_from(std::iter::once("fmu-build").chain(words));
+            assert!(parsed.is_ok(), "{example}");
+        }
+    }
 }

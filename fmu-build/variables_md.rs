@@ -1,6 +1,6 @@
 //! `VARIABLES.md`: the tables of all models for people, one section each.
 
-use crate::description::{causality, starts, variability};
+use crate::description::{causality, limit, starts, variability};
 use crate::models::MODELS;
 use crate::{Error, Result};
 use fmi2_cosim::{Access, Model, Variable};
@@ -34,24 +34,23 @@ pub(crate) fn table<M: Model>() -> Result<String> {
     text.push_str("|--:|---|---|---|---|--:|--:|--:|---|---|\n");
     for ((at, row), start) in M::VARIABLES.iter().enumerate().zip(starts::<M>()?) {
         let start = start.unwrap_or_default();
-        writeln!(text, "| {at} | {} |", cells(row, start).join(" | ")).map_err(Error::Format)?;
+        writeln!(text, "| {at} | {} |", cells(row, start)?.join(" | ")).map_err(Error::Format)?;
     }
     Ok(text)
 }
 
-fn cells<M>(row: &Variable<M>, start: String) -> [String; 9] {
-    let limit = |limit: Option<f64>| limit.map(|limit| format!("{limit:?}")).unwrap_or_default();
-    [
+fn cells<M>(row: &Variable<M>, start: String) -> Result<[String; 9]> {
+    Ok([
         format!("`{}`", row.name),
         causality(row.causality).into(),
         variability(row.variability).into(),
         kind(row),
         start,
-        limit(row.min),
-        limit(row.max),
+        limit(row, "min", row.min)?.unwrap_or_default(),
+        limit(row, "max", row.max)?.unwrap_or_default(),
         dependencies(row),
         row.description.replace('|', "\\|"),
-    ]
+    ])
 }
 
 fn kind<M>(row: &Variable<M>) -> String {

@@ -128,8 +128,8 @@ fn real<M>(row: &Variable<M>, start: Start) -> Result<RealType> {
     Ok(RealType {
         unit: row.unit.name,
         display_unit: row.unit.display.first().map(|shown| shown.name),
-        min: optional(row.name, "min", row.min)?,
-        max: optional(row.name, "max", row.max)?,
+        min: limit(row, "min", row.min)?,
+        max: limit(row, "max", row.max)?,
         nominal: optional(row.name, "nominal", row.nominal)?,
         start,
     })
@@ -142,10 +142,22 @@ fn whole<M>(
 ) -> Result<IntegerType> {
     Ok(IntegerType {
         declared_type,
-        min: integer(row.name, "min", row.min)?,
-        max: integer(row.name, "max", row.max)?,
+        min: limit(row, "min", row.min)?,
+        max: limit(row, "max", row.max)?,
         start,
     })
+}
+
+/// A limit of a row as text of its type.
+pub(crate) fn limit<M>(
+    row: &Variable<M>,
+    what: &'static str,
+    value: Option<f64>,
+) -> Result<Option<String>> {
+    match row.access {
+        Access::Real(_) => optional(row.name, what, value),
+        _ => integer(row.name, what, value),
+    }
 }
 
 pub(crate) fn causality(causality: Causality) -> &'static str {
