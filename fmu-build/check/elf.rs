@@ -78,3 +78,43 @@ fn number(bytes: &[u8], offset: usize, size: usize) -> Option<usize> {
         .fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
     usize::try_from(value).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The C library this test runs with.
+    #[cfg(target_os = "linux")]
+    fn c_library() -> Vec<u8> {
+        let maps = fs::read_to_string("/proc/self/maps").unwrap();
+        let mut paths = maps
+            .lines()
+            .filter_map(|line| line.split_whitespace().nth(5));
+        fs::read(paths.find(|path| path.contains("libc.so")).unwrap()).unwrap()
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn exported_symbols_are_listed_and_imported_ones_are_not() {
+        let names = exports(&c_library()).unwrap();
+        assert!(names.iter().any(|name| name == "malloc"));
+        // Defined by the dynamic loader, used by the C library.
+        assert!(!names.iter().any(|name| name == "__tls_get_addr"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_without_its_end_has_no_section_table() {
+        let file = c_library();
+        let half = file.len() / 2;
+        for length in (0..half).step_by(half / 50) {
+            assert!(exports(&file[..length]).is_none(), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn other_files_have_no_elf_symbols() {
+        assert_eq!(exports(b"MZ"), None);
+        assert_eq!(exports(b""), None);
+    }
+}
