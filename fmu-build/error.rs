@@ -59,8 +59,6 @@ pub enum Error {
         /// The largest accepted size [bytes].
         limit: u64,
     },
-    /// Text could not be put together.
-    Format(fmt::Error),
     /// A model description could not be written.
     Write(quick_xml::SeError),
     /// A model description could not be read.
@@ -129,7 +127,6 @@ impl fmt::Display for Error {
                 )
             }
             Self::TooLarge { limit } => write!(f, "the archive unpacks to more than {limit} bytes"),
-            Self::Format(source) => write!(f, "text cannot be put together: {source}"),
             Self::Write(source) => write!(f, "modelDescription.xml cannot be written: {source}"),
             Self::Parse(source) => write!(f, "modelDescription.xml cannot be read: {source}"),
             Self::Cargo { package } => write!(f, "`cargo build --package {package}` failed"),

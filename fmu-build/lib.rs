@@ -14,6 +14,8 @@ mod description;
 mod error;
 pub mod library;
 pub mod models;
+mod page;
+mod table;
 mod variables_md;
 
 pub use archive::package;
@@ -84,6 +86,10 @@ pub fn build(entry: &Entry, out: &Path) -> Result<PathBuf> {
         (
             "modelDescription.xml".to_owned(),
             (entry.describe)()?.into_bytes(),
+        ),
+        (
+            "documentation/index.html".to_owned(),
+            (entry.page)()?.into_bytes(),
         ),
         (
             format!("binaries/{platform}/{}.{extension}", entry.name),

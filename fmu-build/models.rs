@@ -1,6 +1,6 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
-use crate::{Error, Result, describe, variables_md};
+use crate::{Error, Result, describe, page, variables_md};
 use dct_models::{ClutchControl, Observer, Plant};
 use fmi2_cosim::Model;
 
@@ -14,6 +14,8 @@ pub struct Entry {
     pub describe: fn() -> Result<String>,
     /// Writes its section of `VARIABLES.md`.
     pub table: fn() -> Result<String>,
+    /// Writes the documentation page inside its FMU.
+    pub page: fn() -> Result<String>,
 }
 
 impl Entry {
@@ -22,7 +24,8 @@ impl Entry {
             name: M::NAME,
             package,
             describe: describe::<M>,
-            table: variables_md::table::<M>,
+            table: variables_md::section::<M>,
+            page: page::page::<M>,
         }
     }
 }

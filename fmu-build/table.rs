@@ -1,0 +1,70 @@
+//! The table of a model as text for people, whatever it is written into.
+
+use crate::Result;
+use crate::description::{causality, limit, starts, variability};
+use fmi2_cosim::{Access, Model, Variable};
+
+/// Headings of the columns.
+pub(crate) const COLUMNS: [&str; 10] = [
+    "vr",
+    "name",
+    "causality",
+    "variability",
+    "type",
+    "start",
+    "min",
+    "max",
+    "depends on",
+    "description",
+];
+
+/// What the columns mean, for the top of a page.
+pub(crate) const LEGEND: &str = "Units are SI; in brackets the unit a tool shows. vr is the value \
+     reference. Start values are given for what an importer may set; the model computes the rest.";
+
+/// One row per variable, cells as in [`COLUMNS`].
+pub(crate) fn rows<M: Model>() -> Result<Vec<[String; 10]>> {
+    let rows = M::VARIABLES.iter().enumerate().zip(starts::<M>()?);
+    rows.map(|((at, row), start)| cells(at, row, start.unwrap_or_default()))
+        .collect()
+}
+
+fn cells<M>(at: usize, row: &Variable<M>, start: String) -> Result<[String; 10]> {
+    Ok([
+        at.to_string(),
+        row.name.into(),
+        causality(row.causality).into(),
+        variability(row.variability).into(),
+        kind(row),
+        start,
+        limit(row, "min", row.min)?.unwrap_or_default(),
+        limit(row, "max", row.max)?.unwrap_or_default(),
+        dependencies(row),
+        row.description.into(),
+    ])
+}
+
+fn kind<M>(row: &Variable<M>) -> String {
+    match (row.access, row.unit.display.first()) {
+        (Access::Real(_), None) => row.unit.name.into(),
+        (Access::Real(_), Some(shown)) => format!("{} [{}]", row.unit.name, shown.name),
+        (Access::Integer(_), _) => "Integer".into(),
+        (Access::Boolean(_), _) => "Boolean".into(),
+        (Access::Enumeration(_, kind), _) => {
+            let items = kind
+                .items
+                .iter()
+                .map(|item| format!("{} = {}", item.name, item.value));
+            format!("{} {{{}}}", kind.name, items.collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
+/// What an output feeds through at a communication point.
+fn dependencies<M>(row: &Variable<M>) -> String {
+    match row.dependencies {
+        None => String::new(),
+        Some([]) => "states only".into(),
+        Some(names) => names.join(", "),
+    }
+}
