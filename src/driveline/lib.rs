@@ -7,6 +7,7 @@ pub mod integrate;
 pub mod params;
 pub mod plant;
 mod plant_block;
+mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;

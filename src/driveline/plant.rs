@@ -166,10 +166,11 @@ impl Plant {
             engine,
             friction: [one, two],
             viscous,
+            synchroniser,
             load,
         } = self.work;
         let stored = systems.stored_energy(&self.x) - self.stored_at_start;
-        engine - stored - one - two - viscous - load
+        engine - stored - one - two - viscous - synchroniser - load
     }
 
     /// Takes the modes that are consistent after `event` and removes the slip of engaged clutches.
@@ -211,12 +212,17 @@ impl Plant {
         self.work.load += work[3];
         self.work.viscous += rung.viscous_loss(&block.z);
         self.x = block.x_end;
+        self.hold_ratios(systems);
+        project(systems, stuck_set(self.modes), &mut self.x);
+    }
+
+    /// Keeps ω_ci = g_i ω_o of rigid transfer shafts exact.
+    pub(crate) fn hold_ratios(&mut self, systems: &Systems) {
         for (i, ratio) in systems.rigid_ratio.into_iter().enumerate() {
             if ratio != 0.0 {
                 self.x[C + i] = ratio * self.x[O];
             }
         }
-        project(systems, stuck_set(self.modes), &mut self.x);
     }
 }
 

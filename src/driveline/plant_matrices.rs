@@ -97,7 +97,7 @@ pub struct Systems {
 }
 
 /// Rows that read ω_d − ω_ci from the speeds, shape (6).
-fn slip_row(clutch: usize) -> SVector<f64, SPEEDS> {
+pub(crate) fn slip_row(clutch: usize) -> SVector<f64, SPEEDS> {
     let mut row = SVector::zeros();
     row[D] = 1.0;
     row[C + clutch] = -1.0;
@@ -175,7 +175,7 @@ fn springs(p: &Params, gear: [i32; 2]) -> [Spring; 4] {
 }
 
 /// W: accelerations = W·(torques on the six inertias), shape (6, 6).
-fn mobility(p: &Params, gear: [i32; 2]) -> SMatrix<f64, SPEEDS, SPEEDS> {
+pub(crate) fn mobility(p: &Params, gear: [i32; 2]) -> SMatrix<f64, SPEEDS, SPEEDS> {
     let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
     let mut mobility = SMatrix::from_diagonal(&SVector::from(j.map(|j| 1.0 / j)));
     if !p.rigid {

@@ -63,6 +63,8 @@ pub struct Work {
     pub friction: [f64; 2],
     /// Lost in dampers and shafts.
     pub viscous: f64,
+    /// Lost in synchronisers when gears change, elastic energy let go included.
+    pub synchroniser: f64,
     /// Done against road load and brake.
     pub load: f64,
 }
