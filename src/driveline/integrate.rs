@@ -49,8 +49,8 @@ pub struct Rung {
     angle: Worked,
     /// ∫ τ ω dτ of the worked speeds from z(0), shape (4, 18).
     moment: Worked,
-    /// ∫ viscous power dτ as a quadratic form of z(0), shape (18, 18).
-    viscous: Square,
+    /// ∫ viscous power dτ as a quadratic form of z(0).
+    viscous: Form,
 }
 
 impl Rung {
@@ -78,7 +78,17 @@ impl Rung {
 
     /// Energy lost in the dampers [J].
     pub fn viscous_loss(&self, z: &Augmented) -> f64 {
-        (self.viscous * z).dot(z)
+        self.viscous.of(z)
+    }
+
+    fn zero() -> Self {
+        Self {
+            t: 0.0,
+            change: SMatrix::zeros(),
+            angle: Worked::zeros(),
+            moment: Worked::zeros(),
+            viscous: Form::zero(),
+        }
     }
 
     /// Rung of twice the span.
@@ -86,12 +96,13 @@ impl Rung {
         let change = full_change(&self.change, self.t);
         let psi = Square::identity() + change;
         let angle = self.angle * psi;
+        let first = self.viscous.matrix();
         Self {
             t: 2.0 * self.t,
             change: self.change * 2.0 + self.change * change,
             angle: self.angle + angle,
             moment: self.moment + self.moment * psi + angle * self.t,
-            viscous: self.viscous + psi.transpose() * self.viscous * psi,
+            viscous: Form::new(&(first + psi.transpose() * first * psi)),
         }
     }
 
@@ -104,17 +115,63 @@ impl Rung {
             change: change.fixed_rows::<STATES>(0).into_owned(),
             angle: Worked::zeros(),
             moment: Worked::zeros(),
-            viscous: Square::zeros(),
+            viscous: Form::zero(),
         };
+        let mut loss = Square::zeros();
         for (node, weight) in gauss(t) {
             let psi = Square::identity() + series(&m, node);
             let x = psi.fixed_rows::<STATES>(0);
             let worked = worked_speeds(&psi) * weight;
             rung.angle += worked;
             rung.moment += worked * node;
-            rung.viscous += x.transpose() * viscous * x * weight;
+            loss += x.transpose() * viscous * x * weight;
         }
+        rung.viscous = Form::new(&loss);
         rung
+    }
+}
+
+/// Entries of the upper triangle of an (18, 18) matrix.
+const TRIANGLE: usize = AUGMENTED * (AUGMENTED + 1) / 2;
+
+/// A quadratic form of z: upper triangle by columns, entries off the diagonal doubled.
+#[derive(Debug, Clone, Copy)]
+struct Form([f64; TRIANGLE]);
+
+impl Form {
+    const fn zero() -> Self {
+        Self([0.0; TRIANGLE])
+    }
+
+    fn new(symmetric: &Square) -> Self {
+        let mut form = Self::zero();
+        let entries = (0..AUGMENTED).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        for (place, (i, j)) in form.0.iter_mut().zip(entries) {
+            *place = symmetric[(i, j)] + if i == j { 0.0 } else { symmetric[(j, i)] };
+        }
+        form
+    }
+
+    fn matrix(&self) -> Square {
+        let mut matrix = Square::zeros();
+        let entries = (0..AUGMENTED).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        for (value, (i, j)) in self.0.iter().zip(entries) {
+            matrix[(i, j)] += 0.5 * value;
+            matrix[(j, i)] += 0.5 * value;
+        }
+        matrix
+    }
+
+    /// Value of the form at z.
+    fn of(&self, z: &Augmented) -> f64 {
+        let mut sum = 0.0;
+        let mut rest = &self.0[..];
+        for j in 0..AUGMENTED {
+            let (column, next) = rest.split_at(j + 1);
+            sum += z[j] * column.iter().zip(z.iter()).map(|(a, z)| a * z).sum::<f64>();
+            rest = next;
+        }
+        sum
     }
 }
 
@@ -132,14 +189,31 @@ pub struct Propagators {
 impl Propagators {
     /// Propagators of a driveline for a communication step.
     ///
-    /// `gear`: gears preselected on the two shafts, shape (2). `h`: communication step [s], > 0.
+    /// `gear`: gears preselected on the two shafts, shape (2). `h`: communication step [s], > 0 and finite.
     pub fn new(p: &Params, gear: [i32; 2], h: f64) -> Self {
         let systems = Systems::new(p, gear);
-        let rungs = systems
-            .by_stuck
-            .each_ref()
-            .map(|system| ladder(system, &systems.viscous, h));
-        Self { h, systems, rungs }
+        let mut new = Self {
+            h,
+            systems,
+            rungs: [[Rung::zero(); LADDER + 1]; 4],
+        };
+        new.fill();
+        new
+    }
+
+    /// Turns these into the propagators of other gears or another step, in place.
+    ///
+    /// Same arguments as [`Self::new`].
+    pub fn rebuild(&mut self, p: &Params, gear: [i32; 2], h: f64) {
+        self.h = h;
+        self.systems = Systems::new(p, gear);
+        self.fill();
+    }
+
+    fn fill(&mut self) {
+        for (rungs, system) in self.rungs.iter_mut().zip(&self.systems.by_stuck) {
+            fill_ladder(rungs, system, &self.systems.viscous, self.h);
+        }
     }
 
     /// Whether they serve a step of `h` [s] with these gears; within 1e-9 relative they do.
@@ -153,7 +227,12 @@ impl Propagators {
     }
 }
 
-fn ladder(system: &System, viscous: &SMatrix<f64, STATES, STATES>, h: f64) -> [Rung; LADDER + 1] {
+fn fill_ladder(
+    rungs: &mut [Rung; LADDER + 1],
+    system: &System,
+    viscous: &SMatrix<f64, STATES, STATES>,
+    h: f64,
+) {
     let norm = system
         .a
         .abs()
@@ -170,12 +249,10 @@ fn ladder(system: &System, viscous: &SMatrix<f64, STATES, STATES>, h: f64) -> [R
     for _ in 0..below {
         rung = rung.doubled();
     }
-    let mut next = rung;
-    core::array::from_fn(|_| {
-        let rung = next;
-        next = rung.doubled();
-        rung
-    })
+    for place in rungs {
+        *place = rung;
+        rung = rung.doubled();
+    }
 }
 
 /// M of z' = M z, shape (18, 18).
@@ -229,4 +306,88 @@ fn gauss(t: f64) -> [(f64, f64); 3] {
         (0.5 * t, t * 8.0 / 18.0),
         (0.5 * t * (1.0 + reach), t * 5.0 / 18.0),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Augmented, LADDER, Propagators};
+    use crate::Params;
+    use crate::plant_matrices::{STATES, State, Torques, W};
+
+    const H: f64 = 1e-3;
+
+    fn start() -> Augmented {
+        let x = [
+            200.0, 198.0, 190.0, 190.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
+        ];
+        let v = [60.0, 40.0, -25.0, 300.0, 2e3, -1e3, 5e2, 1e4];
+        Augmented::from_iterator(x.into_iter().chain(v))
+    }
+
+    /// z at the end of a rung: torques grow by their ramps.
+    fn advanced(x_end: &State, z: &Augmented, t: f64) -> Augmented {
+        let mut end = *z;
+        end.fixed_rows_mut::<STATES>(0).copy_from(x_end);
+        for k in STATES..STATES + 4 {
+            end[k] += t * z[k + 4];
+        }
+        end
+    }
+
+    #[test]
+    fn shortest_rung_follows_the_derivative() {
+        let propagators = Propagators::new(&Params::TABLE_1, [1, 2], H / 1e3);
+        let z = start();
+        let (x, v) = (
+            z.fixed_rows::<STATES>(0).into(),
+            z.fixed_rows::<4>(STATES).into(),
+        );
+        for set in 0..4_usize {
+            let rung = propagators.rung(set, 0);
+            let slope = (rung.end(&z) - x) / rung.t;
+            let x_dot = propagators.systems.by_stuck[set].derivative(&x, &v);
+            assert!((slope - x_dot).amax() < 1e-3 * x_dot.amax(), "{set}");
+        }
+    }
+
+    #[test]
+    fn a_rung_is_twice_the_one_below() {
+        let propagators = Propagators::new(&Params::TABLE_1, [1, 2], H);
+        let z = start();
+        for (set, level) in (0..4).flat_map(|set| (1..=LADDER).map(move |level| (set, level))) {
+            let (long, half) = (
+                propagators.rung(set, level),
+                propagators.rung(set, level - 1),
+            );
+            let middle = advanced(&half.end(&z), &z, half.t);
+            assert!((long.end(&z) - half.end(&middle)).amax() < 1e-9);
+            let work: Torques = half.work(&z) + half.work(&middle);
+            assert!((long.work(&z) - work).amax() < 1e-9 * work.amax());
+            let loss = half.viscous_loss(&z) + half.viscous_loss(&middle);
+            assert!((long.viscous_loss(&z) - loss).abs() < 1e-9 * loss);
+        }
+    }
+
+    #[test]
+    fn effect_of_the_load_ramp_is_the_one_of_the_motion() {
+        let propagators = Propagators::new(&Params::TABLE_1, [1, 2], H);
+        let rung = propagators.rung(1, LADDER);
+        let mut z = start();
+        let before = rung.wheel_speed(&z);
+        assert!((before - rung.end(&z)[W]).abs() < 1e-12);
+        z[17] += 1e6;
+        let change = rung.wheel_speed(&z) - before;
+        assert!((change - 1e6 * rung.wheel_speed_by_load_ramp()).abs() < 1e-9 * change.abs());
+    }
+
+    #[test]
+    fn rebuilt_equals_new() {
+        let p = Params::TABLE_1;
+        let mut rebuilt = Propagators::new(&p, [1, 2], H);
+        rebuilt.rebuild(&p, [1, 0], 3.0 * H);
+        let new = Propagators::new(&p, [1, 0], 3.0 * H);
+        assert!(rebuilt.fits([1, 0], 3.0 * H) && !rebuilt.fits([1, 2], 3.0 * H));
+        let z = start();
+        assert_eq!(rebuilt.rung(2, 5).end(&z), new.rung(2, 5).end(&z));
+    }
 }

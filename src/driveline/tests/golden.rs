@@ -112,7 +112,7 @@ fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
         let input = input_at(case, &p, time);
         let end = (f64::from(k + 1) * h).min(case.stop);
         if !propagators.fits([1, 2], end - time) {
-            propagators = Propagators::new(&p, [1, 2], end - time);
+            propagators.rebuild(&p, [1, 2], end - time);
         }
         let next = if ramps {
             input_at(case, &p, end)
