@@ -102,48 +102,42 @@ impl Block {
             self.z.fixed_rows::<STATES>(0).into_owned()
         };
         let x_dot = system.derivative(&x, &v);
-        let (slip, slip_dot) = (slip(&x), slip(&x_dot));
-        let (torque, torque_dot) = (
-            system.clutch_torque(&x, &v),
-            system.clutch_torque(&x_dot, &v_dot),
-        );
-        [0, 1].map(|i| {
-            let (force, force_dot) = (
+        let slips = slip(&x).into_iter().zip(slip(&x_dot));
+        let torques = system
+            .clutch_torque(&x, &v)
+            .into_iter()
+            .zip(system.clutch_torque(&x_dot, &v_dot));
+        let mut guards = [[Guard {
+            value: 0.0,
+            rate: 0.0,
+        }; 2]; 2];
+        for (i, (slip, torque)) in slips.zip(torques).enumerate() {
+            let force = (
                 self.input.force[i] + self.rate.force[i] * t,
                 self.rate.force[i],
             );
-            let sign = modes[i].direction();
             let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n;
-            let (peak, peak_dot) = (reach * force, reach * force_dot);
-            match modes[i] {
-                Mode::Open => {
-                    [Guard {
-                        value: 0.0,
-                        rate: 0.0,
-                    }; 2]
+            guards[i] = match modes[i] {
+                Mode::Open => continue,
+                Mode::Stuck => [-1.0, 1.0].map(|sign| weighted(reach, force, sign, torque)),
+                sliding => {
+                    let direction = sliding.direction();
+                    [
+                        weighted(0.0, force, direction, slip),
+                        weighted(1.0, force, 0.0, slip),
+                    ]
                 }
-                Mode::Forward | Mode::Backward => [
-                    Guard {
-                        value: sign * slip[i],
-                        rate: sign * slip_dot[i],
-                    },
-                    Guard {
-                        value: force,
-                        rate: force_dot,
-                    },
-                ],
-                Mode::Stuck => [
-                    Guard {
-                        value: peak - torque[i],
-                        rate: peak_dot - torque_dot[i],
-                    },
-                    Guard {
-                        value: peak + torque[i],
-                        rate: peak_dot + torque_dot[i],
-                    },
-                ],
-            }
-        })
+            };
+        }
+        guards
+    }
+}
+
+/// Guard a·x + b·y of two quantities, each with its rate.
+fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
+    Guard {
+        value: a * x.0 + b * y.0,
+        rate: a * x.1 + b * y.1,
     }
 }
 
