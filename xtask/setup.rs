@@ -48,6 +48,13 @@ impl Package {
     }
 }
 
+/// What a command prints, if it succeeds and prints anything.
+fn printed(mut command: Command) -> Option<String> {
+    let done = command.output().ok().filter(|done| done.status.success())?;
+    let text = String::from_utf8_lossy(&done.stdout).trim().to_owned();
+    (!text.is_empty()).then_some(text)
+}
+
 fn starts(program: &&str) -> bool {
     succeeds(Command::new(program).arg("--version"))
 }
@@ -84,22 +91,25 @@ impl Project {
         command
     }
 
-    /// `LIBCLANG_PATH` for bindgen: where the PyPI package libclang keeps its library [directory].
-    pub fn libclang(&self) -> Result<PathBuf, Failure> {
-        let python = Command::new(venv_program("python"))
-            .args([
-                "-c",
-                "import clang, pathlib; print(pathlib.Path(clang.__file__).parent)",
-            ])
-            .output();
-        let printed = python.map(|done| String::from_utf8_lossy(&done.stdout).trim().to_owned());
-        match printed {
-            Ok(package) if !package.is_empty() => Ok(Path::new(&package).join("native")),
-            _ => Err(Failure::Missing {
+    /// What bindgen needs to find: the library of the PyPI package libclang, and the C headers
+    /// that this package does not have but every C compiler does.
+    pub fn bindgen(&self) -> Result<[(&'static str, String); 2], Failure> {
+        const NATIVE: &str = "import clang, os; print(os.path.join(clang.__path__[0], 'native'))";
+        let libclang =
+            printed(self.venv("python", &["-c", NATIVE])).ok_or_else(|| Failure::Missing {
                 what: "the Python package libclang in .venv".into(),
                 remedy: ".venv/bin/python -m pip install -r tests/requirements.txt".into(),
-            }),
-        }
+            })?;
+        let mut compiler = Command::new("cc");
+        compiler.arg("-print-file-name=include");
+        let headers = printed(compiler).ok_or_else(|| Failure::Missing {
+            what: "a C compiler named cc".into(),
+            remedy: "sudo apt-get install -y gcc libc6-dev".into(),
+        })?;
+        Ok([
+            ("LIBCLANG_PATH", libclang),
+            ("BINDGEN_EXTRA_CLANG_ARGS", format!("-I{headers}")),
+        ])
     }
 
     /// System packages: installed by apt-get on Debian as root, else named.
@@ -154,8 +164,9 @@ fn apt_get(words: &[&str]) -> Command {
 }
 
 fn is_root() -> bool {
-    let id = Command::new("id").arg("-u").output();
-    id.is_ok_and(|done| done.stdout.trim_ascii() == b"0")
+    let mut id = Command::new("id");
+    id.arg("-u");
+    printed(id).as_deref() == Some("0")
 }
 
 /// The first Python of the search path that is new enough.

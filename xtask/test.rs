@@ -47,12 +47,12 @@ fn docs(project: &Project) -> Command {
 fn master(project: &Project) -> Step {
     let project = project.clone();
     Step::new("closed loop through the fmi crate: src/master", move || {
-        let libclang = project.libclang()?;
+        let bindgen = project.bindgen()?;
         let scope = ["--manifest-path", MASTER];
         let mut test = project.cargo(&["test", "--release"]);
         test.args(scope);
         for mut command in [clippy(&project, &scope), test] {
-            command.env("LIBCLANG_PATH", &libclang);
+            command.envs(bindgen.clone());
             execute(command)?;
         }
         Ok(())

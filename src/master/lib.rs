@@ -16,7 +16,9 @@
 //! # The `fmi` crate 0.8
 //!
 //! What had to be worked around, so that the next reader need not find it again:
-//! - its build runs bindgen (libclang) and a C compiler; hence this workspace of its own;
+//! - its build runs bindgen (libclang) and a C compiler; hence this workspace of its own. The PyPI
+//!   package libclang has no C headers of its own: `BINDGEN_EXTRA_CLANG_ARGS` points it at the
+//!   compiler's (`-I$(cc -print-file-name=include)`);
 //! - [`fmi::fmi2::import::Fmi2Import`] owns the unpacked FMU and removes it when dropped, while an
 //!   instance does not borrow it: [`Fmu`] keeps both and drops the instance first;
 //! - dropping an instance frees but does not terminate it: [`Fmu`] calls `fmi2Terminate`;

@@ -65,11 +65,12 @@ impl Master {
 
     fn wire(fmus: Vec<Fmu>, scenario: Scenario) -> Result<Self, Error> {
         let script = script(&fmus, &scenario)?;
-        let mut first = script.len();
-        let firsts: Vec<usize> = fmus
-            .iter()
-            .map(|fmu| std::mem::replace(&mut first, first + fmu.outputs.names().len()))
-            .collect();
+        let mut end = script.len();
+        let mut firsts = vec![];
+        for fmu in &fmus {
+            firsts.push(end);
+            end += fmu.outputs.names().len();
+        }
         let sources: Vec<Vec<usize>> = fmus
             .iter()
             .map(|fmu| {
@@ -90,7 +91,7 @@ impl Master {
             parts,
             scenario,
             script,
-            world: vec![0.0; first],
+            world: vec![0.0; end],
             step: 0.0,
             steps: 0,
         })

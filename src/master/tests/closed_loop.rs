@@ -2,6 +2,8 @@
 //!
 //! Needs `target/fmu/*.fmu` and `.venv`, as `cargo xtask test` makes them.
 
+#![allow(clippy::unwrap_used, clippy::panic)] // a test fails by panicking
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
