@@ -3,7 +3,9 @@
 //! Driveline of a vehicle with dual-clutch transmission (DCT): the mathematics of one paper.
 
 pub mod clutch;
+pub mod identify;
 pub mod integrate;
+pub mod observer;
 pub mod params;
 pub mod plant;
 mod plant_block;
@@ -11,6 +13,7 @@ mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;
+pub mod reduced;
 mod shaft;
 
 pub use clutch::ForceMap;

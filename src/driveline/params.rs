@@ -56,6 +56,31 @@ pub struct ClutchParams {
     pub r_c_n: f64,
     /// Actuator position [m] to normal force [N].
     pub map: ForceMap,
+    /// Area of a hydraulic piston [m²]; 0: the clutch is moved by a position instead.
+    pub piston_area: f64,
+    /// Force of the return spring against a hydraulic piston [N].
+    pub return_force: f64,
+}
+
+/// What moves a clutch.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Actuation {
+    /// θ_m: position of the actuator of a dry clutch [m].
+    pub position: f64,
+    /// Pressure on the piston of a wet clutch [Pa].
+    pub pressure: f64,
+}
+
+impl ClutchParams {
+    /// F_n [N], ≥ 0: the force-position map (Fig. 6), or for a piston its pressure times area less
+    /// the return spring.
+    pub fn force(&self, actuation: Actuation) -> f64 {
+        if self.piston_area > 0.0 {
+            (actuation.pressure * self.piston_area - self.return_force).max(0.0)
+        } else {
+            self.map.force(actuation.position)
+        }
+    }
 }
 
 /// Road load (11).
@@ -108,12 +133,16 @@ impl Params {
                 mu_s: 0.30,
                 r_c_n: 0.095,
                 map: ForceMap::CLUTCH_1,
+                piston_area: 0.0,
+                return_force: 0.0,
             },
             ClutchParams {
                 mu_k: 0.22,
                 mu_s: 0.25,
                 r_c_n: 0.095,
                 map: ForceMap::CLUTCH_2,
+                piston_area: 0.0,
+                return_force: 0.0,
             },
         ],
         road: RoadParams {

@@ -1,0 +1,99 @@
+//! Load torque T_v: from the grade (11), from the engine (20), or from momentum.
+//!
+//! (20) holds while one clutch is engaged and the other open. Through launch and shifts T_v keeps its
+//! last value; before the first engagement it is that of (11). With E(t) the momentum seen at the
+//! wheels,
+//!
+//! ```text
+//! T_v = g T_e − dE/dt,   engine (20): E = J_v,eq ω_w,   momentum: E = g J_ed ω_e + J_out ω_o + J_v ω_w
+//! ```
+//!
+//! The momentum form needs no rigid drive shaft, so it stays right while the driveline oscillates. Both
+//! sides go through the same first-order filter, which turns the derivative into (E − E_f)/τ.
+
+use crate::Params;
+use crate::observer::Sample;
+use crate::observer::lock::Lock;
+use nalgebra::ComplexField;
+
+/// How the load torque is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadMethod {
+    /// (11) with the measured grade and brake torque.
+    Grade,
+    /// (20).
+    Engine,
+    /// (20) with the momentum of every inertia.
+    Momentum,
+}
+
+/// τ: time constant of the filter on both sides of (20) [s].
+const TAU: f64 = 0.1;
+/// Time the filter settles after a clutch engaged before its output counts [s].
+const SETTLING: f64 = 3.0 * TAU;
+
+/// The filter of (20) and the load it found last.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Load {
+    /// Filtered momentum [N·m·s].
+    pub momentum: f64,
+    /// Filtered g T_e [N·m].
+    pub torque: f64,
+    /// Time since the filter was started [s]; negative while it does not run.
+    pub running: f64,
+    /// T_v found last [N·m]; meaningful when `found`.
+    pub t_v: f64,
+    /// An engagement was long enough to find T_v.
+    pub found: bool,
+}
+
+impl Load {
+    /// T_v [N·m] at a sample `h` [s] after the last one.
+    pub fn step(
+        &mut self,
+        p: &Params,
+        method: LoadMethod,
+        sample: &Sample,
+        lock: &Lock,
+        h: f64,
+    ) -> f64 {
+        let model = p.road.load_torque(sample.omega_w, sample.phi)
+            + sample.t_brake * p.road.direction(sample.omega_w);
+        if method == LoadMethod::Grade {
+            return model;
+        }
+        match lock.alone(p, sample) {
+            Some(engaged) => self.filter(p, method, sample, engaged, h),
+            None => self.running = -1.0,
+        }
+        if self.found { self.t_v } else { model }
+    }
+
+    fn filter(&mut self, p: &Params, method: LoadMethod, sample: &Sample, engaged: usize, h: f64) {
+        let g = p.g(sample.gear);
+        let momentum = momentum(p, method, sample, engaged);
+        let torque = g[engaged] * sample.t_e;
+        if self.running < 0.0 {
+            (self.momentum, self.torque, self.running) = (momentum, torque, 0.0);
+            return;
+        }
+        let forget = (-h / TAU).exp();
+        self.momentum = momentum + (self.momentum - momentum) * forget;
+        self.torque = torque + (self.torque - torque) * forget;
+        self.running += h;
+        if self.running >= SETTLING {
+            self.t_v = self.torque - (momentum - self.momentum) / TAU;
+            self.found = true;
+        }
+    }
+}
+
+/// E of (20) [N·m·s].
+fn momentum(p: &Params, method: LoadMethod, sample: &Sample, engaged: usize) -> f64 {
+    let g = p.g(sample.gear);
+    if method == LoadMethod::Engine {
+        return p.j_v_eq(g, engaged) * sample.omega_w;
+    }
+    let omega_o = sample.omega_c[engaged] / g[engaged];
+    g[engaged] * p.j_ed() * sample.omega_e + p.j_out(g) * omega_o + p.j_v * sample.omega_w
+}

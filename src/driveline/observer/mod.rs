@@ -1,0 +1,124 @@
+//! Torque observers (19)-(31): both clutch torques and the drive-shaft torque from the signals of a
+//! production car.
+//!
+//! ```text
+//! Sample (speeds, positions, T_e) ──> load torque (20) ──┐
+//!           ├──> lock detection ───> friction learnt      │
+//!           └──> method: adapt ε̂ (29), predict x̂ (19) <──┘──> Estimate
+//! ```
+//!
+//! One file per method. A method is a function of (parameters, state, sample): no clock, no log.
+
+pub mod friction;
+pub mod load;
+pub mod lock;
+pub mod paper;
+
+pub use load::LoadMethod;
+pub use paper::{Gains, Paper};
+
+use crate::Params;
+use crate::params::Actuation;
+
+/// What a production car measures, at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// T_e: torque the engine control reports [N·m].
+    pub t_e: f64,
+    /// ω_e [rad/s].
+    pub omega_e: f64,
+    /// ω_c1, ω_c2 [rad/s], shape (2).
+    pub omega_c: [f64; 2],
+    /// ω_w [rad/s].
+    pub omega_w: f64,
+    /// Actuators of the two clutches.
+    pub actuation: [Actuation; 2],
+    /// Gears preselected on the odd and the even shaft, shape (2).
+    pub gear: [i32; 2],
+    /// Brake torque at the wheels [N·m], ≥ 0.
+    pub t_brake: f64,
+    /// φ: road grade [rad].
+    pub phi: f64,
+}
+
+impl Sample {
+    /// ω_e − ω_ci [rad/s], shape (2).
+    pub fn slip(&self) -> [f64; 2] {
+        self.omega_c.map(|omega_c| self.omega_e - omega_c)
+    }
+}
+
+/// What an observer knows of its vehicle beside [`Params`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// μ_1,n, μ_2,n of (23), (24): nominal friction coefficients [1].
+    pub mu_n: [f64; 2],
+    /// How T_v is found.
+    pub load: LoadMethod,
+    /// Gains of (19), (29), as for 1 kHz.
+    pub gains: Gains,
+    /// Gains follow the communication step.
+    pub scheduled: bool,
+    /// (29) acts; without it the observer keeps the friction it has.
+    pub adapts: bool,
+}
+
+impl Settings {
+    /// Case 1 of the paper: μ_n = (0.4, 0.1).
+    pub const CASE_1: Self = Self {
+        mu_n: [0.4, 0.1],
+        load: LoadMethod::Momentum,
+        gains: Gains::AT_1_KHZ,
+        scheduled: true,
+        adapts: true,
+    };
+}
+
+/// What an observer says at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Estimate {
+    /// T̂_c1, T̂_c2 [N·m], shape (2).
+    pub t_c: [f64; 2],
+    /// T̂_o [N·m].
+    pub t_o: f64,
+    /// Map-based T_c1, T_c2 of Figs. 10 and 12: nominal friction times map [N·m], shape (2).
+    pub t_c_map: [f64; 2],
+    /// Map-based T_o = g1 T_c1 + g2 T_c2 [N·m].
+    pub t_o_map: f64,
+    /// T_v as used in (19) [N·m].
+    pub t_v: f64,
+    /// μ̂·f of Figs. 11 and 13 [N/m], shape (2).
+    pub mu_f: [f64; 2],
+    /// ε̂ of (23), (24) [N/m], shape (2).
+    pub epsilon: [f64; 2],
+    /// μ learnt while slipping [1], shape (2).
+    pub friction: [f64; 2],
+    /// x1 − x̂1 [rad/s] and x2 − x̂2 [rad/s].
+    pub innovation: [f64; 2],
+    /// Clutch is taken as fully engaged, shape (2).
+    pub engaged: [bool; 2],
+}
+
+/// A method of estimation. `p` and `settings` may change between calls where they are tunable.
+pub trait Observer {
+    /// Starts from measurements.
+    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample);
+
+    /// Advances by `h` [s].
+    ///
+    /// `sample`: speeds at the end of the step; torque, actuators, grade and brake as they acted over
+    /// it. The estimate holds for the end of the step.
+    fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate;
+}
+
+/// Map-based torque of each clutch, μ_i,n F_map,i r_ci N_i, and its drive-shaft torque [N·m].
+///
+/// The conventional estimate that Figs. 10 and 12 compare with; it knows no sign of the slip.
+pub fn map_based(p: &Params, mu_n: [f64; 2], sample: &Sample) -> ([f64; 2], f64) {
+    let t_c = [0, 1].map(|i| {
+        let clutch = &p.clutch[i];
+        mu_n[i] * clutch.force(sample.actuation[i]) * clutch.r_c_n
+    });
+    let g = p.g(sample.gear);
+    (t_c, g[0] * t_c[0] + g[1] * t_c[1])
+}

@@ -1,0 +1,190 @@
+//! Control-oriented model (12)-(16): three states that keep the damping of the drive shaft.
+//!
+//! ```text
+//! x1 = ω_e − ω_c2,  x2 = ω_c2/g2 − ω_w,  x3 = T_o
+//! ẋ = A x + B u + E δ,  u = (T_e, T_c1, T_c2),  δ = T_v
+//! ```
+//!
+//! x3 obeys ẋ3 = k_o,eq x2 + c_o,eq ẋ2 (15), which needs no twist angle. The conventional model that
+//! the paper compares with is the same with c_o,eq = 0.
+//!
+//! ```
+//! use dct_driveline::{Params, reduced::Reduced};
+//!
+//! let p = Params::TABLE_1;
+//! let model = Reduced::new(&p, p.g([1, 2]), p.c_o);
+//! assert!((model.a()[(2, 1)] - 4887.0).abs() < 1e-9);
+//! ```
+
+use crate::Params;
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+/// Inputs of the discrete model: T_e, T_c1, T_c2, T_v and the two innovations.
+const INPUTS: usize = 6;
+const AUGMENTED: usize = 3 + INPUTS;
+
+/// The control-oriented model for one pair of gears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reduced {
+    /// J_ed of (13) [kg·m²].
+    pub j_ed: f64,
+    /// J_v [kg·m²].
+    pub j_v: f64,
+    /// J_ct2,eq of (13) [kg·m²].
+    pub j_ct2_eq: f64,
+    /// g1, g2 [1].
+    pub g: [f64; 2],
+    /// k_o,eq [N·m/rad].
+    pub k_o_eq: f64,
+    /// c_o,eq [N·m·s/rad]; 0 for the conventional model.
+    pub c_o_eq: f64,
+}
+
+impl Reduced {
+    /// The model for total ratios `g`, shape (2), g2 ≠ 0, with damping `c_o_eq` [N·m·s/rad].
+    pub fn new(p: &Params, g: [f64; 2], c_o_eq: f64) -> Self {
+        Self { j_ed: p.j_ed(), j_v: p.j_v, j_ct2_eq: p.j_ct2_eq(g), g, k_o_eq: p.k_o, c_o_eq }
+    }
+
+    /// b = 1/(g2 J_ct2,eq) + 1/J_v of (14) [1/(kg·m²)].
+    pub fn b_coupling(&self) -> f64 {
+        1.0 / (self.g[1] * self.j_ct2_eq) + 1.0 / self.j_v
+    }
+
+    /// a_i = 1/J_ed + g_i/J_ct2,eq of (13), shape (2): effect of T_ci on −ẋ1 [1/(kg·m²)].
+    pub fn a_slip(&self) -> [f64; 2] {
+        self.g.map(|g| 1.0 / self.j_ed + g / self.j_ct2_eq)
+    }
+
+    /// h_i = g_i/(g2 J_ct2,eq) of (14), shape (2): effect of T_ci on ẋ2 [1/(kg·m²)].
+    pub fn h_twist(&self) -> [f64; 2] {
+        self.g.map(|g| g / (self.g[1] * self.j_ct2_eq))
+    }
+
+    /// A of (16), shape (3, 3).
+    pub fn a(&self) -> Matrix3<f64> {
+        let b = self.b_coupling();
+        Matrix3::new(
+            0.0, 0.0, 1.0 / self.j_ct2_eq, //
+            0.0, 0.0, -b, //
+            0.0, self.k_o_eq, -self.c_o_eq * b,
+        )
+    }
+
+    /// B of (16), shape (3, 3): columns T_e, T_c1, T_c2.
+    pub fn b(&self) -> Matrix3<f64> {
+        let ([a1, a2], [h1, h2]) = (self.a_slip(), self.h_twist());
+        let c = self.c_o_eq;
+        Matrix3::new(1.0 / self.j_ed, -a1, -a2, 0.0, h1, h2, 0.0, c * h1, c * h2)
+    }
+
+    /// E of (16), shape (3).
+    ///
+    /// Deviation: the third row is c_o,eq/J_v, which follows from (15); the paper prints 1/J_v
+    /// (erratum E2).
+    pub fn e(&self) -> Vector3<f64> {
+        Vector3::new(0.0, 1.0 / self.j_v, self.c_o_eq / self.j_v)
+    }
+
+    /// The model over a step `h` [s] with held inputs and held innovation, exactly.
+    ///
+    /// `l`: observer gain L of (19), shape (3, 2).
+    pub fn discrete(&self, l: &SMatrix<f64, 3, 2>, h: f64) -> Discrete {
+        let mut m = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
+        m.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.a());
+        m.fixed_view_mut::<3, 3>(0, 3).copy_from(&self.b());
+        m.fixed_view_mut::<3, 1>(0, 6).copy_from(&self.e());
+        m.fixed_view_mut::<3, 2>(0, 7).copy_from(l);
+        let psi = exponential(&(m * h));
+        Discrete {
+            phi: psi.fixed_view::<3, 3>(0, 0).into_owned(),
+            gamma_u: psi.fixed_view::<3, 3>(0, 3).into_owned(),
+            gamma_delta: psi.fixed_view::<3, 1>(0, 6).into_owned(),
+            gamma_l: psi.fixed_view::<3, 2>(0, 7).into_owned(),
+        }
+    }
+}
+
+/// x⁺ = Φ x + Γ_u u + Γ_δ δ + Γ_L e: the model over one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discrete {
+    /// Φ = exp(A h), shape (3, 3).
+    pub phi: Matrix3<f64>,
+    /// Γ_u of T_e, T_c1, T_c2, shape (3, 3).
+    pub gamma_u: Matrix3<f64>,
+    /// Γ_δ of T_v, shape (3).
+    pub gamma_delta: Vector3<f64>,
+    /// Γ_L of the innovation, shape (3, 2).
+    pub gamma_l: SMatrix<f64, 3, 2>,
+}
+
+/// exp(M) by its series on M/2^n, squared n times.
+fn exponential<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    const REACH: f64 = 0.1; // REACH^10/10! < 1e-16
+    let (mut scaled, mut squarings) = (*m, 0);
+    while scaled.amax() > REACH {
+        scaled *= 0.5;
+        squarings += 1;
+    }
+    let mut term = SMatrix::<f64, N, N>::identity();
+    let mut sum = term;
+    for k in 1..=12 {
+        term = term * scaled / f64::from(k);
+        sum += term;
+    }
+    (0..squarings).fold(sum, |root, _| root * root)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Reduced;
+    use crate::Params;
+    use nalgebra::{Matrix3, SMatrix, Vector3};
+
+    /// Numbers of Table 1, computed by hand in double precision.
+    const TOLERANCE: f64 = 1e-12;
+    const P: Params = Params::TABLE_1;
+
+    fn table_1() -> Reduced {
+        Reduced::new(&P, P.g([1, 2]), P.c_o)
+    }
+
+    #[test]
+    fn matrices_are_those_of_table_1() {
+        let a = Matrix3::new(
+            0.0, 0.0, 0.252_017_893_270_422_2, //
+            0.0, 0.0, -0.029_305_973_740_480_298, //
+            0.0, 4887.0, -16.616_487_110_852_33,
+        );
+        let b = Matrix3::new(
+            1.313_197_636_244_254_8, -5.849_519_715_111_855, -4.216_443_766_719_518, //
+            0.0, 0.393_777_958_235_034_64, 0.252_017_893_270_422_2, //
+            0.0, 223.272_102_319_264_66, 142.894_145_485_329_39,
+        );
+        let e = Vector3::new(0.0, 0.007_429_420_505_200_595, 4.212_481_426_448_737);
+        let model = table_1();
+        for (ours, theirs) in [(model.a(), a), (model.b(), b)] {
+            let error = (ours - theirs).component_div(&theirs.map(|x| if x == 0.0 { 1.0 } else { x }));
+            assert!(error.amax() < TOLERANCE, "{error}");
+        }
+        assert!((model.e() - e).amax() < TOLERANCE * e[2]);
+    }
+
+    #[test]
+    fn two_half_steps_are_one_step() {
+        let l = SMatrix::<f64, 3, 2>::new(80.0, 142.9, 0.0, 4.0, 0.25, 4887.0);
+        let [whole, half] = [1e-2, 5e-3].map(|h| table_1().discrete(&l, h));
+        let x = Vector3::new(30.0, 0.1, 400.0);
+        let (u, e) = (Vector3::new(60.0, 40.0, 10.0), nalgebra::Vector2::new(0.3, 0.01));
+        let step = |d: &super::Discrete, x| d.phi * x + d.gamma_u * u + d.gamma_delta * 90.0 + d.gamma_l * e;
+        let difference = step(&whole, x) - step(&half, step(&half, x));
+        assert!(difference.amax() < 1e-9 * x.amax(), "{difference}");
+    }
+
+    #[test]
+    fn without_damping_the_shaft_torque_follows_the_twist_rate_alone() {
+        let model = Reduced { c_o_eq: 0.0, ..table_1() };
+        let x_dot = model.a() * Vector3::new(0.0, 0.2, 500.0) + model.b() * Vector3::repeat(50.0);
+        assert_eq!(x_dot[2], 4887.0 * 0.2);
+    }
+}
