@@ -105,7 +105,13 @@ mod tests {
     fn standard_errors_are_those_of_the_closed_form() {
         let mut fit = LeastSquares::default();
         for k in 0..400_u32 {
-            let sign = |period: u32| if (k / period).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let sign = |period: u32| {
+                if (k / period).is_multiple_of(2) {
+                    1.0
+                } else {
+                    -1.0
+                }
+            };
             let (twist, rate, noise) = (0.1 * sign(2), 0.5 * sign(4), sign(1));
             fit.add(twist, rate, 4887.0 * twist + 561.0 * rate + noise);
         }

@@ -3,6 +3,7 @@
 //! Driveline of a vehicle with dual-clutch transmission (DCT): the mathematics of one paper.
 
 pub mod clutch;
+pub mod control;
 pub mod identify;
 pub mod integrate;
 pub mod observer;

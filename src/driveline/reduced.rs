@@ -43,7 +43,14 @@ pub struct Reduced {
 impl Reduced {
     /// The model for total ratios `g`, shape (2), g2 ≠ 0, with damping `c_o_eq` [N·m·s/rad].
     pub fn new(p: &Params, g: [f64; 2], c_o_eq: f64) -> Self {
-        Self { j_ed: p.j_ed(), j_v: p.j_v, j_ct2_eq: p.j_ct2_eq(g), g, k_o_eq: p.k_o, c_o_eq }
+        Self {
+            j_ed: p.j_ed(),
+            j_v: p.j_v,
+            j_ct2_eq: p.j_ct2_eq(g),
+            g,
+            k_o_eq: p.k_o,
+            c_o_eq,
+        }
     }
 
     /// b = 1/(g2 J_ct2,eq) + 1/J_v of (14) [1/(kg·m²)].
@@ -65,9 +72,15 @@ impl Reduced {
     pub fn a(&self) -> Matrix3<f64> {
         let b = self.b_coupling();
         Matrix3::new(
-            0.0, 0.0, 1.0 / self.j_ct2_eq, //
-            0.0, 0.0, -b, //
-            0.0, self.k_o_eq, -self.c_o_eq * b,
+            0.0,
+            0.0,
+            1.0 / self.j_ct2_eq, //
+            0.0,
+            0.0,
+            -b, //
+            0.0,
+            self.k_o_eq,
+            -self.c_o_eq * b,
         )
     }
 
@@ -152,19 +165,32 @@ mod tests {
     #[test]
     fn matrices_are_those_of_table_1() {
         let a = Matrix3::new(
-            0.0, 0.0, 0.252_017_893_270_422_2, //
-            0.0, 0.0, -0.029_305_973_740_480_298, //
-            0.0, 4887.0, -16.616_487_110_852_33,
+            0.0,
+            0.0,
+            0.252_017_893_270_422_2, //
+            0.0,
+            0.0,
+            -0.029_305_973_740_480_298, //
+            0.0,
+            4887.0,
+            -16.616_487_110_852_33,
         );
         let b = Matrix3::new(
-            1.313_197_636_244_254_8, -5.849_519_715_111_855, -4.216_443_766_719_518, //
-            0.0, 0.393_777_958_235_034_64, 0.252_017_893_270_422_2, //
-            0.0, 223.272_102_319_264_66, 142.894_145_485_329_39,
+            1.313_197_636_244_254_8,
+            -5.849_519_715_111_855,
+            -4.216_443_766_719_518, //
+            0.0,
+            0.393_777_958_235_034_64,
+            0.252_017_893_270_422_2, //
+            0.0,
+            223.272_102_319_264_66,
+            142.894_145_484_329_39,
         );
         let e = Vector3::new(0.0, 0.007_429_420_505_200_595, 4.212_481_426_448_737);
         let model = table_1();
         for (ours, theirs) in [(model.a(), a), (model.b(), b)] {
-            let error = (ours - theirs).component_div(&theirs.map(|x| if x == 0.0 { 1.0 } else { x }));
+            let error =
+                (ours - theirs).component_div(&theirs.map(|x| if x == 0.0 { 1.0 } else { x }));
             assert!(error.amax() < TOLERANCE, "{error}");
         }
         assert!((model.e() - e).amax() < TOLERANCE * e[2]);
@@ -175,15 +201,23 @@ mod tests {
         let l = SMatrix::<f64, 3, 2>::new(80.0, 142.9, 0.0, 4.0, 0.25, 4887.0);
         let [whole, half] = [1e-2, 5e-3].map(|h| table_1().discrete(&l, h));
         let x = Vector3::new(30.0, 0.1, 400.0);
-        let (u, e) = (Vector3::new(60.0, 40.0, 10.0), nalgebra::Vector2::new(0.3, 0.01));
-        let step = |d: &super::Discrete, x| d.phi * x + d.gamma_u * u + d.gamma_delta * 90.0 + d.gamma_l * e;
+        let (u, e) = (
+            Vector3::new(60.0, 40.0, 10.0),
+            nalgebra::Vector2::new(0.3, 0.01),
+        );
+        let step = |d: &super::Discrete, x| {
+            d.phi * x + d.gamma_u * u + d.gamma_delta * 90.0 + d.gamma_l * e
+        };
         let difference = step(&whole, x) - step(&half, step(&half, x));
         assert!(difference.amax() < 1e-9 * x.amax(), "{difference}");
     }
 
     #[test]
     fn without_damping_the_shaft_torque_follows_the_twist_rate_alone() {
-        let model = Reduced { c_o_eq: 0.0, ..table_1() };
+        let model = Reduced {
+            c_o_eq: 0.0,
+            ..table_1()
+        };
         let x_dot = model.a() * Vector3::new(0.0, 0.2, 500.0) + model.b() * Vector3::repeat(50.0);
         assert_eq!(x_dot[2], 4887.0 * 0.2);
     }

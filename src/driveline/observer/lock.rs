@@ -22,7 +22,11 @@ impl Lock {
         for i in 0..2 {
             let pressed = p.clutch[i].force(sample.actuation[i]) > 0.0;
             let together = pressed && slip[i].abs() < SLIP && p.g(sample.gear)[i] != 0.0;
-            self.since[i] = if together { (self.since[i] + h).min(TIME) } else { 0.0 };
+            self.since[i] = if together {
+                (self.since[i] + h).min(TIME)
+            } else {
+                0.0
+            };
         }
     }
 

@@ -36,16 +36,26 @@ pub struct Gains {
 
 impl Gains {
     /// For a step of 1 ms.
-    pub const AT_1_KHZ: Self = Self { l_11: 80.0, l_22: 4.0, l_c: [1200e6, 1200e6] };
+    pub const AT_1_KHZ: Self = Self {
+        l_11: 80.0,
+        l_22: 4.0,
+        l_c: [1200e6, 1200e6],
+    };
     /// For a step of 10 ms.
-    pub const AT_100_HZ: Self = Self { l_11: 24.0, l_22: 60.0, l_c: [270e6, 270e6] };
+    pub const AT_100_HZ: Self = Self {
+        l_11: 24.0,
+        l_22: 60.0,
+        l_c: [270e6, 270e6],
+    };
 
     /// These gains, given for 1 ms, at a step `h` [s]: each follows the power of h that leads from
     /// [`Self::AT_1_KHZ`] to [`Self::AT_100_HZ`]; below 1 ms they stay.
     pub fn at_step(&self, h: f64) -> Self {
         let decades = (h / 1e-3).max(1.0).log10();
         let [fast, slow] = [Self::AT_1_KHZ, Self::AT_100_HZ];
-        let scale = |slow: f64, fast: f64| (decades * (slow / fast).log10() * core::f64::consts::LN_10).exp();
+        let scale = |slow: f64, fast: f64| {
+            (decades * (slow / fast).log10() * core::f64::consts::LN_10).exp()
+        };
         Self {
             l_11: self.l_11 * scale(slow.l_11, fast.l_11),
             l_22: self.l_22 * scale(slow.l_22, fast.l_22),
@@ -57,9 +67,12 @@ impl Gains {
     pub fn l(&self, model: &Reduced) -> SMatrix<f64, 3, 2> {
         let j = model.j_ct2_eq;
         SMatrix::<f64, 3, 2>::new(
-            self.l_11, model.c_o_eq / j, //
-            0.0, self.l_22, //
-            1.0 / j, model.k_o_eq - model.b_coupling(),
+            self.l_11,
+            model.c_o_eq / j, //
+            0.0,
+            self.l_22, //
+            1.0 / j,
+            model.k_o_eq - model.b_coupling(),
         )
     }
 }
@@ -99,7 +112,10 @@ impl Default for Paper {
             x_hat: Vector3::zeros(),
             epsilon: [0.0; 2],
             innovation: Vector2::zeros(),
-            load: Load { running: -1.0, ..Load::default() },
+            load: Load {
+                running: -1.0,
+                ..Load::default()
+            },
             lock: Lock::default(),
             friction: Friction([0.0; 2]),
             g: [1.0; 2],
@@ -127,20 +143,31 @@ impl Lever {
         if force <= 0.0 || theta <= 0.0 {
             return Self { arm: 0.0, f_n: 0.0 };
         }
-        Self { arm: clutch.r_c_n * theta, f_n: force / theta }
+        Self {
+            arm: clutch.r_c_n * theta,
+            f_n: force / theta,
+        }
     }
 }
 
 impl Observer for Paper {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
-        *self = Self { friction: Friction(settings.mu_n), g: ratios(p, sample, [1.0; 2]), ..Self::default() };
+        *self = Self {
+            friction: Friction(settings.mu_n),
+            g: ratios(p, sample, [1.0; 2]),
+            ..Self::default()
+        };
         let y = self.measured(sample);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
         self.follow_gears(p, sample);
-        let gains = if settings.scheduled { settings.gains.at_step(h) } else { settings.gains };
+        let gains = if settings.scheduled {
+            settings.gains.at_step(h)
+        } else {
+            settings.gains
+        };
         let model = Reduced::new(p, self.g, p.c_o);
         let levers = [0, 1].map(|i| Lever::new(p, sample, i));
         if settings.adapts {
@@ -156,7 +183,13 @@ impl Observer for Paper {
             + discrete.gamma_delta * t_v
             + discrete.gamma_l * self.innovation;
         self.innovation = self.measured(sample) - self.x_hat.fixed_rows::<2>(0);
-        let mu_hat = [0, 1].map(|i| if levers[i].f_n > 0.0 { mu_f[i] / levers[i].f_n } else { 0.0 });
+        let mu_hat = [0, 1].map(|i| {
+            if levers[i].f_n > 0.0 {
+                mu_f[i] / levers[i].f_n
+            } else {
+                0.0
+            }
+        });
         self.friction.learn(p, sample, mu_hat, h);
         self.estimate(p, settings, sample, (t_c, mu_f, t_v))
     }
@@ -171,7 +204,10 @@ impl Paper {
         } else {
             sample.omega_c[1]
         };
-        Vector2::new(sample.omega_e - omega_c2, omega_c2 / self.g[1] - sample.omega_w)
+        Vector2::new(
+            sample.omega_e - omega_c2,
+            omega_c2 / self.g[1] - sample.omega_w,
+        )
     }
 
     /// New gears define new x1 and x2: they start from measurements, x̂3 goes on.
@@ -188,7 +224,14 @@ impl Paper {
     /// (29) with the innovation held, projected onto friction coefficients that exist.
     ///
     /// Deviation: the paper has no projection; it is a safety and does not act on its scenario.
-    fn adapt(&mut self, model: &Reduced, gains: &Gains, levers: &[Lever; 2], mu_n: [f64; 2], h: f64) {
+    fn adapt(
+        &mut self,
+        model: &Reduced,
+        gains: &Gains,
+        levers: &[Lever; 2],
+        mu_n: [f64; 2],
+        h: f64,
+    ) {
         let (a, h_twist, e) = (model.a_slip(), model.h_twist(), self.innovation);
         for i in (0..2).filter(|i| levers[*i].arm > 0.0) {
             let rate = gains.l_c[i] * (-a[i] * e[0] + h_twist[i] * e[1]) * levers[i].arm;
@@ -200,10 +243,17 @@ impl Paper {
 
     fn discrete(&mut self, model: &Reduced, gains: &Gains, h: f64) -> Discrete {
         match self.cache {
-            Some(cache) if (cache.model, cache.gains, cache.h) == (*model, *gains, h) => cache.discrete,
+            Some(cache) if (cache.model, cache.gains, cache.h) == (*model, *gains, h) => {
+                cache.discrete
+            }
             _ => {
                 let discrete = model.discrete(&gains.l(model), h);
-                self.cache = Some(Cache { model: *model, gains: *gains, h, discrete });
+                self.cache = Some(Cache {
+                    model: *model,
+                    gains: *gains,
+                    h,
+                    discrete,
+                });
                 discrete
             }
         }
