@@ -75,7 +75,7 @@ impl LeastSquares {
         let total = self.torque[1] - self.torque[0] * self.torque[0] / self.count;
         let estimated = |i: usize| Estimated {
             value: beta[i],
-            standard_error: (inverse[(i, i)] * residual / spare).sqrt(),
+            standard_error: ComplexField::sqrt(inverse[(i, i)] * residual / spare),
         };
         Some(Shaft {
             k_o_eq: estimated(0),

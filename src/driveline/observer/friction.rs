@@ -33,7 +33,7 @@ impl Friction {
             let lever = clutch.force(sample.actuation[i]) * clutch.r_c_n;
             if slip[i].abs() > SLIP && lever > LEVER {
                 let seen = (mu_hat[i] * slip[i].signum()).clamp(Self::SMALLEST, Self::PHYSICAL);
-                self.0[i] = seen + (self.0[i] - seen) * (-h / TAU).exp();
+                self.0[i] = seen + (self.0[i] - seen) * ComplexField::exp(-h / TAU);
             }
         }
     }

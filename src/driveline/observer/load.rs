@@ -77,7 +77,7 @@ impl Load {
             (self.momentum, self.torque, self.running) = (momentum, torque, 0.0);
             return;
         }
-        let forget = (-h / TAU).exp();
+        let forget = ComplexField::exp(-h / TAU);
         self.momentum = momentum + (self.momentum - momentum) * forget;
         self.torque = torque + (self.torque - torque) * forget;
         self.running += h;

@@ -18,10 +18,10 @@ pub struct Lock {
 impl Lock {
     /// Takes a sample `h` [s] after the last one.
     pub fn step(&mut self, p: &Params, sample: &Sample, h: f64) {
-        let slip = sample.slip();
-        for i in 0..2 {
+        let g = p.g(sample.gear);
+        for (i, slip) in sample.slip().into_iter().enumerate() {
             let pressed = p.clutch[i].force(sample.actuation[i]) > 0.0;
-            let together = pressed && slip[i].abs() < SLIP && p.g(sample.gear)[i] != 0.0;
+            let together = pressed && slip.abs() < SLIP && g[i] != 0.0;
             self.since[i] = if together {
                 (self.since[i] + h).min(TIME)
             } else {

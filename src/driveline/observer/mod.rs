@@ -97,12 +97,14 @@ pub struct Estimate {
     pub innovation: [f64; 2],
     /// Clutch is taken as fully engaged, shape (2).
     pub engaged: [bool; 2],
+    /// The estimate can be used: false while a friction has been at its physical bound for long.
+    pub valid: bool,
 }
 
 /// A method of estimation. `p` and `settings` may change between calls where they are tunable.
 pub trait Observer {
-    /// Starts from measurements.
-    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample);
+    /// Starts from measurements; the estimate holds for their instant.
+    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate;
 
     /// Advances by `h` [s].
     ///

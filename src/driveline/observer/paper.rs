@@ -30,7 +30,7 @@ pub struct Gains {
     pub l_11: f64,
     /// L22 [1/s].
     pub l_22: f64,
-    /// L_c1, L_c2 of (29), θ in m [N²·s²/(kg²·m⁶)…], shape (2).
+    /// L_c1, L_c2 of (29) with θ in m, shape (2); their unit follows from a V that mixes units.
     pub l_c: [f64; 2],
 }
 
@@ -51,11 +51,9 @@ impl Gains {
     /// These gains, given for 1 ms, at a step `h` [s]: each follows the power of h that leads from
     /// [`Self::AT_1_KHZ`] to [`Self::AT_100_HZ`]; below 1 ms they stay.
     pub fn at_step(&self, h: f64) -> Self {
-        let decades = (h / 1e-3).max(1.0).log10();
+        let decades = ComplexField::log10((h / 1e-3).max(1.0));
         let [fast, slow] = [Self::AT_1_KHZ, Self::AT_100_HZ];
-        let scale = |slow: f64, fast: f64| {
-            (decades * (slow / fast).log10() * core::f64::consts::LN_10).exp()
-        };
+        let scale = |slow: f64, fast: f64| ComplexField::powf(slow / fast, decades);
         Self {
             l_11: self.l_11 * scale(slow.l_11, fast.l_11),
             l_22: self.l_22 * scale(slow.l_22, fast.l_22),
@@ -77,6 +75,9 @@ impl Gains {
     }
 }
 
+/// A friction that is at its bound for this long tells that the inputs do not fit the model [s].
+const SATURATION: f64 = 0.1;
+
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paper {
@@ -92,6 +93,8 @@ pub struct Paper {
     pub lock: Lock,
     /// Friction learnt while slipping.
     pub friction: Friction,
+    /// Time for which a friction has been at its bound [s].
+    pub saturated: f64,
     /// g of the last sample; x1 and x2 are defined by it.
     pub g: [f64; 2],
     /// The discrete model and what it was made for: derived, not part of the state.
@@ -118,6 +121,7 @@ impl Default for Paper {
             },
             lock: Lock::default(),
             friction: Friction([0.0; 2]),
+            saturated: 0.0,
             g: [1.0; 2],
             cache: None,
         }
@@ -151,7 +155,7 @@ impl Lever {
 }
 
 impl Observer for Paper {
-    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
+    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self {
             friction: Friction(settings.mu_n),
             g: ratios(p, sample, [1.0; 2]),
@@ -159,6 +163,10 @@ impl Observer for Paper {
         };
         let y = self.measured(sample);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
+        self.lock.step(p, sample, 0.0);
+        let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
+        let levers = [0, 1].map(|i| Lever::new(p, sample, i));
+        self.estimate(p, settings, sample, &levers, t_v)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
@@ -175,8 +183,7 @@ impl Observer for Paper {
         }
         self.lock.step(p, sample, h);
         let t_v = self.load.step(p, settings.load, sample, &self.lock, h);
-        let mu_f = [0, 1].map(|i| settings.mu_n[i] * levers[i].f_n + self.epsilon[i]);
-        let t_c = [0, 1].map(|i| mu_f[i] * levers[i].arm);
+        let (mu_f, t_c) = self.torques(settings, &levers);
         let discrete = self.discrete(&model, &gains, h);
         self.x_hat = discrete.phi * self.x_hat
             + discrete.gamma_u * Vector3::new(sample.t_e, t_c[0], t_c[1])
@@ -191,7 +198,7 @@ impl Observer for Paper {
             }
         });
         self.friction.learn(p, sample, mu_hat, h);
-        self.estimate(p, settings, sample, (t_c, mu_f, t_v))
+        self.estimate(p, settings, sample, &levers, t_v)
     }
 }
 
@@ -233,12 +240,16 @@ impl Paper {
         h: f64,
     ) {
         let (a, h_twist, e) = (model.a_slip(), model.h_twist(), self.innovation);
+        let mut bounded = false;
         for i in (0..2).filter(|i| levers[*i].arm > 0.0) {
             let rate = gains.l_c[i] * (-a[i] * e[0] + h_twist[i] * e[1]) * levers[i].arm;
             let bound = |mu: f64| (mu - mu_n[i]) * levers[i].f_n;
-            self.epsilon[i] = (self.epsilon[i] + h * rate)
-                .clamp(bound(-Friction::PHYSICAL), bound(Friction::PHYSICAL));
+            let (low, high) = (bound(-Friction::PHYSICAL), bound(Friction::PHYSICAL));
+            let free = self.epsilon[i] + h * rate;
+            self.epsilon[i] = free.clamp(low, high);
+            bounded |= self.epsilon[i] != free;
         }
+        self.saturated = if bounded { self.saturated + h } else { 0.0 };
     }
 
     fn discrete(&mut self, model: &Reduced, gains: &Gains, h: f64) -> Discrete {
@@ -259,14 +270,22 @@ impl Paper {
         }
     }
 
+    /// μ̂·f [N/m] and T̂_c [N·m] of (23), (24).
+    fn torques(&self, settings: &Settings, levers: &[Lever; 2]) -> ([f64; 2], [f64; 2]) {
+        let mu_f = [0, 1].map(|i| settings.mu_n[i] * levers[i].f_n + self.epsilon[i]);
+        (mu_f, [0, 1].map(|i| mu_f[i] * levers[i].arm))
+    }
+
     fn estimate(
         &self,
         p: &Params,
         settings: &Settings,
         sample: &Sample,
-        (t_c, mu_f, t_v): ([f64; 2], [f64; 2], f64),
+        levers: &[Lever; 2],
+        t_v: f64,
     ) -> Estimate {
         let (t_c_map, t_o_map) = map_based(p, settings.mu_n, sample);
+        let (mu_f, t_c) = self.torques(settings, levers);
         Estimate {
             t_c,
             t_o: self.x_hat[2],
@@ -278,6 +297,7 @@ impl Paper {
             friction: self.friction.0,
             innovation: self.innovation.into(),
             engaged: self.lock.engaged(),
+            valid: self.saturated < SATURATION,
         }
     }
 }
