@@ -126,14 +126,28 @@ pub enum Failure {
         /// Time at which it was seen [s].
         time: f64,
     },
+    /// The communication step is longer than the model can take. fmi2Discard.
+    StepTooLong {
+        /// The step asked for [s].
+        step: f64,
+        /// The longest step [s].
+        longest: f64,
+    },
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Invalid { variable, value, remedy } => write!(f, "{variable} = {value} {remedy}"),
+            Self::Invalid {
+                variable,
+                value,
+                remedy,
+            } => write!(f, "{variable} = {value} {remedy}"),
             Self::Diverged { variable, time } => {
                 write!(f, "{variable} is no longer finite at t = {time} s")
+            }
+            Self::StepTooLong { step, longest } => {
+                write!(f, "communicationStepSize = {step} s is above {longest} s")
             }
         }
     }

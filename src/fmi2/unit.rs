@@ -25,25 +25,31 @@ pub struct Unit {
 }
 
 const fn display(name: &'static str, factor: f64) -> DisplayUnit {
-    DisplayUnit { name, factor, offset: 0.0 }
+    DisplayUnit {
+        name,
+        factor,
+        offset: 0.0,
+    }
 }
 
 impl Unit {
     /// Names of the base units, in the order of [`Unit::exponents`].
     pub const BASE: [&'static str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
-    const fn new(
-        name: &'static str,
-        exponents: [i8; 8],
-        display: &'static [DisplayUnit],
-    ) -> Self {
-        Self { name, exponents, display }
+    const fn new(name: &'static str, exponents: [i8; 8], display: &'static [DisplayUnit]) -> Self {
+        Self {
+            name,
+            exponents,
+            display,
+        }
     }
 
     /// A pure number.
     pub const ONE: Self = Self::new("1", [0; 8], &[]);
     /// Time.
     pub const SECOND: Self = Self::new("s", [0, 0, 1, 0, 0, 0, 0, 0], &[display("ms", 1e3)]);
+    /// Rate, gain of an observer.
+    pub const PER_SECOND: Self = Self::new("1/s", [0, 0, -1, 0, 0, 0, 0, 0], &[]);
     /// Length.
     pub const METRE: Self = Self::new("m", [0, 1, 0, 0, 0, 0, 0, 0], &[display("mm", 1e3)]);
     /// Area.
@@ -52,18 +58,19 @@ impl Unit {
     pub const METRE_PER_SECOND: Self =
         Self::new("m/s", [0, 1, -1, 0, 0, 0, 0, 0], &[display("km/h", 3.6)]);
     /// Acceleration.
-    pub const METRE_PER_SECOND_SQUARED: Self =
-        Self::new("m/s2", [0, 1, -2, 0, 0, 0, 0, 0], &[]);
+    pub const METRE_PER_SECOND_SQUARED: Self = Self::new("m/s2", [0, 1, -2, 0, 0, 0, 0, 0], &[]);
     /// Mass.
     pub const KILOGRAM: Self = Self::new("kg", [1, 0, 0, 0, 0, 0, 0, 0], &[]);
     /// Moment of inertia.
     pub const KILOGRAM_SQUARE_METRE: Self = Self::new("kg.m2", [1, 2, 0, 0, 0, 0, 0, 0], &[]);
     /// Mass density.
-    pub const KILOGRAM_PER_CUBIC_METRE: Self =
-        Self::new("kg/m3", [1, -3, 0, 0, 0, 0, 0, 0], &[]);
+    pub const KILOGRAM_PER_CUBIC_METRE: Self = Self::new("kg/m3", [1, -3, 0, 0, 0, 0, 0, 0], &[]);
     /// Angle.
-    pub const RADIAN: Self =
-        Self::new("rad", [0, 0, 0, 0, 0, 0, 0, 1], &[display("deg", 180.0 / core::f64::consts::PI)]);
+    pub const RADIAN: Self = Self::new(
+        "rad",
+        [0, 0, 0, 0, 0, 0, 0, 1],
+        &[display("deg", 180.0 / core::f64::consts::PI)],
+    );
     /// Angular speed.
     pub const RADIAN_PER_SECOND: Self = Self::new(
         "rad/s",
@@ -78,8 +85,7 @@ impl Unit {
     /// Torque.
     pub const NEWTON_METRE: Self = Self::new("N.m", [1, 2, -2, 0, 0, 0, 0, 0], &[]);
     /// Torsional stiffness.
-    pub const NEWTON_METRE_PER_RADIAN: Self =
-        Self::new("N.m/rad", [1, 2, -2, 0, 0, 0, 0, -1], &[]);
+    pub const NEWTON_METRE_PER_RADIAN: Self = Self::new("N.m/rad", [1, 2, -2, 0, 0, 0, 0, -1], &[]);
     /// Torsional damping.
     pub const NEWTON_METRE_SECOND_PER_RADIAN: Self =
         Self::new("N.m.s/rad", [1, 2, -1, 0, 0, 0, 0, -1], &[]);

@@ -36,6 +36,19 @@ impl<M> Clone for Access<M> {
 
 impl<M> Copy for Access<M> {}
 
+impl<M> Access<M> {
+    /// Name of the type in the model description.
+    #[must_use]
+    pub const fn type_name(&self) -> &'static str {
+        match self {
+            Self::Real(_) => "Real",
+            Self::Integer(_) => "Integer",
+            Self::Boolean(_) => "Boolean",
+            Self::Enumeration(..) => "Enumeration",
+        }
+    }
+}
+
 /// An enumeration type of the model description.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Enumeration {
@@ -165,7 +178,14 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Real(field);
-        Self::new(name, description, Causality::Input, Variability::Continuous, access).unit(unit)
+        Self::new(
+            name,
+            description,
+            Causality::Input,
+            Variability::Continuous,
+            access,
+        )
+        .unit(unit)
     }
 
     /// An Integer input, discrete.
@@ -175,7 +195,13 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Integer(field);
-        Self::new(name, description, Causality::Input, Variability::Discrete, access)
+        Self::new(
+            name,
+            description,
+            Causality::Input,
+            Variability::Discrete,
+            access,
+        )
     }
 
     /// A Boolean input, discrete.
@@ -185,7 +211,13 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Boolean(field);
-        Self::new(name, description, Causality::Input, Variability::Discrete, access)
+        Self::new(
+            name,
+            description,
+            Causality::Input,
+            Variability::Discrete,
+            access,
+        )
     }
 
     /// A Real parameter, fixed.
@@ -196,7 +228,14 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Real(field);
-        Self::new(name, description, Causality::Parameter, Variability::Fixed, access).unit(unit)
+        Self::new(
+            name,
+            description,
+            Causality::Parameter,
+            Variability::Fixed,
+            access,
+        )
+        .unit(unit)
     }
 
     /// A Boolean parameter, fixed.
@@ -206,7 +245,13 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Boolean(field);
-        Self::new(name, description, Causality::Parameter, Variability::Fixed, access)
+        Self::new(
+            name,
+            description,
+            Causality::Parameter,
+            Variability::Fixed,
+            access,
+        )
     }
 
     /// An Enumeration parameter, fixed.
@@ -217,7 +262,13 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Enumeration(field, kind);
-        Self::new(name, description, Causality::Parameter, Variability::Fixed, access)
+        Self::new(
+            name,
+            description,
+            Causality::Parameter,
+            Variability::Fixed,
+            access,
+        )
     }
 
     /// A Real output, continuous.
@@ -228,7 +279,14 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Real(field);
-        Self::new(name, description, Causality::Output, Variability::Continuous, access).unit(unit)
+        Self::new(
+            name,
+            description,
+            Causality::Output,
+            Variability::Continuous,
+            access,
+        )
+        .unit(unit)
     }
 
     /// A Boolean output, discrete.
@@ -238,7 +296,13 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Boolean(field);
-        Self::new(name, description, Causality::Output, Variability::Discrete, access)
+        Self::new(
+            name,
+            description,
+            Causality::Output,
+            Variability::Discrete,
+            access,
+        )
     }
 
     /// An Enumeration output, discrete.
@@ -249,7 +313,13 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         let access = Access::Enumeration(field, kind);
-        Self::new(name, description, Causality::Output, Variability::Discrete, access)
+        Self::new(
+            name,
+            description,
+            Causality::Output,
+            Variability::Discrete,
+            access,
+        )
     }
 
     const fn unit(mut self, unit: Unit) -> Self {

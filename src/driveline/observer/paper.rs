@@ -76,7 +76,7 @@ impl Gains {
 }
 
 /// A friction that is at its bound for this long tells that the inputs do not fit the model [s].
-const SATURATION: f64 = 0.1;
+pub const SATURATION: f64 = 0.1;
 
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]

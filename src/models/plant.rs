@@ -1,0 +1,252 @@
+//! `DctPlant`: the driveline (1)-(11) as an FMU.
+//!
+//! Inputs act as forces and torques, the driveline steps, outputs are read. Speeds, slips, clutch
+//! states and spring torques depend on states only; what a slipping or engaged clutch carries
+//! depends on the positions at the communication point as well, and the table says so.
+
+mod propagation;
+mod table;
+
+use crate::vehicle::{Vehicle, check_maps};
+use dct_driveline::Params;
+use dct_driveline::params::Actuation;
+use dct_driveline::plant::{self as driveline, InputRate, Output};
+use dct_driveline::plant_matrices::Systems;
+use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
+use propagation::Propagation;
+
+/// What an importer sets.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Inputs {
+    /// T_e [N·m].
+    engine_torque: f64,
+    /// θ_m1, θ_m2 [m].
+    position: [f64; 2],
+    /// Pressures of wet clutches [Pa].
+    pressure: [f64; 2],
+    /// Brake torque [N·m].
+    brake_torque: f64,
+    /// φ [rad].
+    grade: f64,
+}
+
+/// The plant: parameters, inputs, the driveline's state, outputs.
+#[derive(Clone)]
+pub struct Plant {
+    p: Params,
+    engine_speed_start: f64,
+    vehicle_speed_start: f64,
+    u: Inputs,
+    /// Time derivatives of the inputs.
+    u_rate: Inputs,
+    /// Gears asked for, as the importer set them.
+    gear: [i32; 2],
+    /// Gears that act.
+    acting: [i32; 2],
+    /// Gears that were refused last, so that each refusal is logged once.
+    refused: [i32; 2],
+    state: driveline::Plant,
+    y: Output,
+    /// Clutch states 1, 2, 3.
+    clutch_state: [i32; 2],
+    propagation: Propagation,
+}
+
+impl Default for Plant {
+    fn default() -> Self {
+        let (p, gear) = (Params::TABLE_1, [1, 2]);
+        let input = driveline::Input {
+            gear,
+            ..driveline::Input::default()
+        };
+        let state = driveline::Plant::start(&p, &input, 0.0, 0.0);
+        let y = state.outputs(&p, &Systems::new(&p, gear), &input);
+        Self {
+            p,
+            engine_speed_start: 0.0,
+            vehicle_speed_start: 0.0,
+            u: Inputs::default(),
+            u_rate: Inputs::default(),
+            gear,
+            acting: gear,
+            refused: gear,
+            state,
+            y,
+            clutch_state: y.state.map(|state| state as i32),
+            propagation: Propagation::default(),
+        }
+    }
+}
+
+impl Vehicle for Plant {
+    fn params(&mut self) -> &mut Params {
+        &mut self.p
+    }
+}
+
+impl Plant {
+    /// Inputs of the driveline at the communication point.
+    fn input(&self) -> driveline::Input {
+        driveline::Input {
+            t_e: self.u.engine_torque,
+            force: self.force(self.u.position, self.u.pressure),
+            gear: self.acting,
+            t_brake: self.u.brake_torque,
+            phi: self.u.grade,
+        }
+    }
+
+    /// F_n of both clutches [N].
+    fn force(&self, position: [f64; 2], pressure: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| {
+            let actuation = Actuation {
+                position: position[i],
+                pressure: pressure[i],
+            };
+            self.p.clutch[i].force(actuation)
+        })
+    }
+
+    /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
+    fn rate(&self, start: &driveline::Input, step: f64) -> InputRate {
+        let end = |value: [f64; 2], rate: [f64; 2]| [0, 1].map(|i| value[i] + rate[i] * step);
+        let position = end(self.u.position, self.u_rate.position);
+        let force = self.force(position, end(self.u.pressure, self.u_rate.pressure));
+        InputRate {
+            t_e: self.u_rate.engine_torque,
+            force: [0, 1].map(|i| (force[i] - start.force[i]) / step),
+            t_brake: self.u_rate.brake_torque,
+            phi: self.u_rate.grade,
+        }
+    }
+
+    /// Takes the gears asked for on shafts whose clutch is open; logs each refusal once.
+    fn change_gears(&mut self, time: f64, log: &mut Log<'_>) {
+        let granted = self.state.gear_granted(self.acting, self.gear);
+        for i in (0..2).filter(|i| granted[*i] != self.gear[*i]) {
+            if self.refused[i] != self.gear[i] {
+                log.warning(format_args!(
+                    "t = {time} s: shaft{}.gear = {} is ignored while clutch {} transmits; gear {} stays",
+                    i + 1, self.gear[i], i + 1, self.acting[i]
+                ));
+            }
+        }
+        self.refused = self.gear;
+        if granted != self.acting {
+            let [from, to] = [self.acting, granted].map(|gear| Systems::new(&self.p, gear));
+            self.state.change_gear(&self.p, &from, &to);
+            log.event(format_args!(
+                "t = {time} s: gears {:?} become {granted:?}",
+                self.acting
+            ));
+            self.acting = granted;
+        }
+    }
+
+    fn read_outputs(&mut self) {
+        let built;
+        let systems = match self.propagation.systems(self.acting) {
+            Some(systems) => systems,
+            None => {
+                built = Systems::new(&self.p, self.acting);
+                &built
+            }
+        };
+        self.y = self.state.outputs(&self.p, systems, &self.input());
+        self.clutch_state = self.y.state.map(|state| state as i32);
+    }
+
+    /// Refuses to go on with what is no number.
+    fn check_finite(&self, time: f64) -> Result<(), Failure> {
+        let speeds = [
+            (crate::ports::ENGINE_SPEED, self.y.omega_e),
+            (crate::ports::OUTPUT_SPEED, self.y.omega_o),
+            (crate::ports::WHEEL_SPEED, self.y.omega_w),
+            (crate::ports::DRIVE_SHAFT_TORQUE, self.y.t_o),
+        ];
+        match speeds.iter().find(|(_, value)| !value.is_finite()) {
+            Some((variable, _)) => Err(Failure::Diverged { variable, time }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Model for Plant {
+    const NAME: &'static str = "DctPlant";
+    const DESCRIPTION: &'static str =
+        "Driveline with dual-clutch transmission: engine, damper, two clutches, shafts, vehicle";
+    const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
+    const EXPERIMENT: Experiment = Experiment {
+        start: 0.0,
+        stop: 30.0,
+        step: 1e-3,
+    };
+
+    fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
+        check_maps(&self.p)?;
+        (self.acting, self.refused) = (self.gear, self.gear);
+        let input = self.input();
+        let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
+        self.state = driveline::Plant::start(&self.p, &input, omega_e, v);
+        self.propagation
+            .prepare(&self.p, self.acting, Self::EXPERIMENT.step);
+        self.read_outputs();
+        Ok(())
+    }
+
+    fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
+        if step > table::LONGEST_STEP {
+            return Err(Failure::StepTooLong {
+                step,
+                longest: table::LONGEST_STEP,
+            });
+        }
+        self.change_gears(time, log);
+        let input = self.input();
+        let rate = self.rate(&input, step);
+        let propagators = self.propagation.of(&self.p, self.acting, step);
+        self.state
+            .step_observed(&self.p, propagators, &input, &rate, |after, from, to| {
+                for i in (0..2).filter(|i| from[*i] != to[*i]) {
+                    let (at, clutch) = (time + after, i + 1);
+                    log.event(format_args!(
+                        "t = {at} s: clutch {clutch} {:?} -> {:?}",
+                        from[i], to[i]
+                    ));
+                }
+            });
+        self.read_outputs();
+        self.check_finite(time + step)
+    }
+
+    fn update_outputs(&mut self) {
+        self.read_outputs();
+    }
+
+    fn hidden_state(&mut self, fields: &mut dyn StateFields) {
+        let gears = self.acting.iter_mut().chain(&mut self.refused);
+        gears.for_each(|gear| fields.integer(gear));
+        fields.reals(self.state.x.as_mut_slice());
+        for mode in &mut self.state.modes {
+            let mut code = *mode as i32;
+            fields.integer(&mut code);
+            *mode = table::mode(code);
+        }
+        let work = &mut self.state.work;
+        fields.reals(&mut work.friction);
+        for value in [
+            &mut work.engine,
+            &mut work.viscous,
+            &mut work.synchroniser,
+            &mut work.load,
+        ] {
+            fields.real(value);
+        }
+        fields.real(&mut self.state.stored_at_start);
+    }
+
+    fn restored(&mut self) {
+        self.propagation
+            .prepare(&self.p, self.acting, Self::EXPERIMENT.step);
+    }
+}

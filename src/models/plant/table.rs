@@ -1,0 +1,296 @@
+//! The table of `DctPlant`.
+
+use super::Plant;
+use crate::ports;
+use crate::rows::table;
+use crate::vehicle::{actuator, compliance, driveline, road, shaft};
+use dct_driveline::plant_modes::Mode;
+use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
+
+/// Longest communication step [s]: beyond it a ramp of the load over a step is too coarse.
+pub(super) const LONGEST_STEP: f64 = 1.0;
+
+/// All rows; the index is the value reference.
+pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
+    INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
+    SPEEDS, TORQUES, clutch_outputs::<0>(), clutch_outputs::<1>(),
+    driveline(), road(), compliance(),
+    shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
+    clutch_parameters::<0>(), clutch_parameters::<1>(), START,
+);
+
+/// State of a clutch.
+static CLUTCH_STATE: Enumeration = Enumeration {
+    name: "ClutchState",
+    description: "State of a clutch, (6) and (7)",
+    items: &[
+        Item {
+            name: "disengaged",
+            value: 1,
+            description: "No normal force, no torque",
+        },
+        Item {
+            name: "slipping",
+            value: 2,
+            description: "Kinetic friction against the slip",
+        },
+        Item {
+            name: "engaged",
+            value: 3,
+            description: "No slip: the torque that keeps it so",
+        },
+    ],
+};
+
+/// The mode of a code in a serialised state.
+pub(super) fn mode(code: i32) -> Mode {
+    let all = [Mode::Open, Mode::Forward, Mode::Backward, Mode::Stuck];
+    all.into_iter()
+        .find(|mode| *mode as i32 == code)
+        .unwrap_or(Mode::Open)
+}
+
+/// What the torque of a clutch depends on at a communication point.
+const ACTUATORS: &[&str] = &[
+    "clutch1.position",
+    "clutch1.pressure",
+    "clutch2.position",
+    "clutch2.pressure",
+];
+/// What the load depends on at a communication point.
+const LOAD: &[&str] = &[ports::BRAKE_TORQUE, ports::ROAD_GRADE];
+/// States only.
+const STATES: &[&str] = &[];
+
+const INPUTS: [Variable<Plant>; 3] = [
+    Variable::input(
+        ports::ENGINE_TORQUE,
+        U::NEWTON_METRE,
+        |m: &mut Plant| &mut m.u.engine_torque,
+        "T_e of (1): torque of the engine",
+    )
+    .rate(|m| &mut m.u_rate.engine_torque),
+    Variable::input(
+        ports::BRAKE_TORQUE,
+        U::NEWTON_METRE,
+        |m: &mut Plant| &mut m.u.brake_torque,
+        "Brake torque at the wheels, against the motion",
+    )
+    .min(0.0)
+    .rate(|m| &mut m.u_rate.brake_torque),
+    Variable::input(
+        ports::ROAD_GRADE,
+        U::RADIAN,
+        |m: &mut Plant| &mut m.u.grade,
+        "phi of (11): inclination of the road, positive uphill",
+    )
+    .min(-1.5)
+    .max(1.5)
+    .rate(|m| &mut m.u_rate.grade),
+];
+
+const fn clutch_inputs<const I: usize>() -> [Variable<Plant>; 3] {
+    [
+        Variable::input(
+            ports::CLUTCH_POSITION[I],
+            U::METRE,
+            |m: &mut Plant| &mut m.u.position[I],
+            "theta_m: actuator position, 0 is open",
+        )
+        .min(0.0)
+        .rate(|m| &mut m.u_rate.position[I]),
+        Variable::input(
+            ports::CLUTCH_PRESSURE[I],
+            U::PASCAL,
+            |m: &mut Plant| &mut m.u.pressure[I],
+            "Pressure on the piston of a wet clutch; acts where pistonArea is above 0",
+        )
+        .min(0.0)
+        .rate(|m| &mut m.u_rate.pressure[I]),
+        Variable::integer_input(
+            ports::SHAFT_GEAR[I],
+            |m: &mut Plant| &mut m.gear[I],
+            [
+                "Gear preselected on the odd shaft: 1, 3, 5, 7; 0 is neutral",
+                "Gear preselected on the even shaft: 2, 4, 6, 8; 0 is neutral",
+            ][I],
+        )
+        .min(0.0)
+        .max(8.0),
+    ]
+}
+
+const SPEEDS: [Variable<Plant>; 6] = [
+    Variable::output(
+        ports::ENGINE_SPEED,
+        U::RADIAN_PER_SECOND,
+        |m: &mut Plant| &mut m.y.omega_e,
+        "omega_e of (1): engine speed",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        ports::DAMPER_SPEED,
+        U::RADIAN_PER_SECOND,
+        |m: &mut Plant| &mut m.y.omega_d,
+        "omega_d of (2): speed of the damper's output side",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        ports::OUTPUT_SPEED,
+        U::RADIAN_PER_SECOND,
+        |m: &mut Plant| &mut m.y.omega_o,
+        "omega_o of (8): speed of the output shaft",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        ports::WHEEL_SPEED,
+        U::RADIAN_PER_SECOND,
+        |m: &mut Plant| &mut m.y.omega_w,
+        "omega_w of (9): speed of the wheels",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        "vehicle.speed",
+        U::METRE_PER_SECOND,
+        |m: &mut Plant| &mut m.y.vehicle_speed,
+        "V = r_w omega_w",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        "vehicle.acceleration",
+        U::METRE_PER_SECOND_SQUARED,
+        |m: &mut Plant| &mut m.y.vehicle_acceleration,
+        "dV/dt",
+    )
+    .depends_on(LOAD),
+];
+
+const TORQUES: [Variable<Plant>; 4] = [
+    Variable::output(
+        "damper.torque",
+        U::NEWTON_METRE,
+        |m: &mut Plant| &mut m.y.t_d,
+        "T_d of (3): torque of the torsional damper",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        ports::DRIVE_SHAFT_TORQUE,
+        U::NEWTON_METRE,
+        |m: &mut Plant| &mut m.y.t_o,
+        "T_o of (10): torque of the drive shaft",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        ports::LOAD_TORQUE,
+        U::NEWTON_METRE,
+        |m: &mut Plant| &mut m.y.t_v,
+        "T_v of (11) with the brake, positive against forward motion",
+    )
+    .depends_on(LOAD),
+    Variable::output(
+        "energy.residual",
+        U::JOULE,
+        |m: &mut Plant| &mut m.y.energy_residual,
+        "Energy balance over the run: work in - stored - lost",
+    )
+    .depends_on(STATES),
+];
+
+const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
+    let shaft = ["shaft1.torque", "shaft2.torque"][I];
+    let slip = ["clutch1.slip", "clutch2.slip"][I];
+    let state = ["clutch1.state", "clutch2.state"][I];
+    let power = ["clutch1.frictionPower", "clutch2.frictionPower"][I];
+    let energy = ["clutch1.frictionEnergy", "clutch2.frictionEnergy"][I];
+    [
+        Variable::output(
+            ports::CLUTCH_SPEED[I],
+            U::RADIAN_PER_SECOND,
+            |m: &mut Plant| &mut m.y.omega_c[I],
+            "omega_c of (4), (5): speed of the input shaft",
+        )
+        .depends_on(STATES),
+        Variable::output(
+            ports::CLUTCH_TORQUE[I],
+            U::NEWTON_METRE,
+            |m: &mut Plant| &mut m.y.t_c[I],
+            "T_c of (6), (7): torque through the clutch, positive when the engine drives",
+        )
+        .depends_on(ACTUATORS),
+        Variable::output(
+            shaft,
+            U::NEWTON_METRE,
+            |m: &mut Plant| &mut m.y.t_t[I],
+            "T_t of (4), (5): torque of the transfer shaft",
+        )
+        .depends_on(ACTUATORS),
+        Variable::output(
+            slip,
+            U::RADIAN_PER_SECOND,
+            |m: &mut Plant| &mut m.y.slip[I],
+            "Slip omega_d - omega_c, exactly 0 when engaged",
+        )
+        .depends_on(STATES),
+        Variable::enumeration_output(
+            state,
+            &CLUTCH_STATE,
+            |m: &mut Plant| &mut m.clutch_state[I],
+            "State of the clutch",
+        )
+        .depends_on(STATES),
+        Variable::output(
+            power,
+            U::WATT,
+            |m: &mut Plant| &mut m.y.friction_power[I],
+            "Friction power in the clutch",
+        )
+        .depends_on(ACTUATORS),
+        Variable::output(
+            energy,
+            U::JOULE,
+            |m: &mut Plant| &mut m.y.friction_energy[I],
+            "Friction energy in the clutch since the start",
+        )
+        .depends_on(STATES),
+    ]
+}
+
+const fn clutch_parameters<const I: usize>() -> [Variable<Plant>; 2] {
+    let names = [
+        ["clutch1.kineticFriction", "clutch1.staticFriction"],
+        ["clutch2.kineticFriction", "clutch2.staticFriction"],
+    ][I];
+    [
+        Variable::parameter(
+            names[0],
+            U::ONE,
+            |m: &mut Plant| &mut m.p.clutch[I].mu_k,
+            "mu_k of (6), (7): kinetic friction coefficient",
+        )
+        .min(0.0)
+        .tunable(),
+        Variable::parameter(
+            names[1],
+            U::ONE,
+            |m: &mut Plant| &mut m.p.clutch[I].mu_s,
+            "mu_s: static friction coefficient, not below the kinetic one",
+        )
+        .min(0.0)
+        .tunable(),
+    ]
+}
+
+const START: [Variable<Plant>; 2] = [
+    Variable::parameter(
+        "engine.speed_start",
+        U::RADIAN_PER_SECOND,
+        |m: &mut Plant| &mut m.engine_speed_start,
+        "Engine speed at the start",
+    ),
+    Variable::parameter(
+        "vehicle.speed_start",
+        U::METRE_PER_SECOND,
+        |m: &mut Plant| &mut m.vehicle_speed_start,
+        "Vehicle speed at the start",
+    ),
+];
