@@ -126,7 +126,7 @@ pub enum Failure {
         /// Time at which it was seen [s].
         time: f64,
     },
-    /// The communication step is longer than the model can take. fmi2Discard.
+    /// The communication step is longer than the model can take. fmi2Error.
     StepTooLong {
         /// The step asked for [s].
         step: f64,

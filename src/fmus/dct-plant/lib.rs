@@ -1,1 +1,3 @@
 //! The FMU library `DctPlant`.
+
+fmi2_cosim::export!(dct_models::Plant);

@@ -1,0 +1,231 @@
+//! Everything that can go wrong, the sentence the importer's log shows, and its `fmi2Status`.
+
+use crate::{Call, Failure, State};
+use core::fmt;
+
+/// `fmi2Status`, without `fmi2Pending`: every call is finished when it returns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Status {
+    /// All well.
+    Ok = 0,
+    /// All well, with a remark in the log.
+    Warning = 1,
+    /// Refused; nothing changed and the importer may go on with other values.
+    Discard = 2,
+    /// The call or the model is wrong.
+    Error = 3,
+    /// The model panicked; its instance is unusable.
+    Fatal = 4,
+}
+
+/// Why a call was refused.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// The life cycle does not allow the call now.
+    IllegalCall {
+        /// The call.
+        call: Call,
+        /// State it came in.
+        state: State,
+    },
+    /// No variable of that type has the value reference.
+    UnknownReference {
+        /// The value reference.
+        reference: u32,
+        /// FMI type asked for.
+        kind: &'static str,
+    },
+    /// The variable may not be set in this state.
+    NotSettable {
+        /// Its name.
+        variable: &'static str,
+        /// State the call came in.
+        state: State,
+    },
+    /// A value is NaN or infinite.
+    NotFinite {
+        /// Name of the variable or argument.
+        variable: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A value is below its minimum.
+    BelowMin {
+        /// Name of the variable.
+        variable: &'static str,
+        /// Its value.
+        value: f64,
+        /// Smallest legal value.
+        min: f64,
+    },
+    /// A value is above its maximum.
+    AboveMax {
+        /// Name of the variable.
+        variable: &'static str,
+        /// Its value.
+        value: f64,
+        /// Largest legal value.
+        max: f64,
+    },
+    /// A value is none of its enumeration.
+    NotAnItem {
+        /// Name of the variable.
+        variable: &'static str,
+        /// Its value.
+        value: i32,
+        /// Name of the enumeration.
+        enumeration: &'static str,
+    },
+    /// The variable has no derivative of that order to set or get.
+    NoDerivative {
+        /// Name of the variable.
+        variable: &'static str,
+        /// Order asked for.
+        order: i32,
+    },
+    /// The stop time does not lie after the start time.
+    Experiment {
+        /// Start time [s].
+        start: f64,
+        /// Stop time [s].
+        stop: f64,
+    },
+    /// A step does not start where the last one ended.
+    StepTime {
+        /// Communication point of the call [s].
+        time: f64,
+        /// Time the model stands at [s].
+        current: f64,
+    },
+    /// A step size is not finite, not positive, or too small to advance time.
+    StepSize {
+        /// Communication step size [s].
+        step: f64,
+        /// Communication point [s].
+        time: f64,
+    },
+    /// A step would end after the stop time.
+    PastStop {
+        /// End of the step [s].
+        end: f64,
+        /// Stop time [s].
+        stop: f64,
+    },
+    /// The model could not initialise or step.
+    Model(Failure),
+    /// Bytes are not a serialised state of this FMU.
+    Serialised(&'static str),
+    /// A pointer is null or misaligned, or a length is absurd.
+    Pointer(&'static str),
+    /// A log category is none of the model description's.
+    UnknownCategory,
+    /// `fmi2Instantiate` was given something it cannot accept.
+    Instantiate(&'static str),
+    /// The GUID is that of another model description.
+    Guid,
+    /// The FMU declares that it lacks this capability.
+    NotSupported(&'static str),
+    /// Nothing is known under this status kind.
+    NoStatus(i32),
+}
+
+impl Error {
+    /// The status an importer gets: `Discard` for values it may correct, else `Error`.
+    #[must_use]
+    pub const fn status(&self) -> Status {
+        match self {
+            Self::NotFinite { .. }
+            | Self::BelowMin { .. }
+            | Self::AboveMax { .. }
+            | Self::NotAnItem { .. }
+            | Self::NoStatus(_) => Status::Discard,
+            _ => Status::Error,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::IllegalCall { call, state } => illegal(f, *call, *state),
+            Self::UnknownReference { reference, kind } => {
+                write!(
+                    f,
+                    "value reference {reference} is no {kind} variable of this model"
+                )
+            }
+            Self::NotSettable { variable, state } => {
+                write!(f, "{variable} may not be set in state {state}")
+            }
+            Self::NotFinite { variable, value } => write!(f, "{variable} = {value} is not finite"),
+            Self::BelowMin {
+                variable,
+                value,
+                min,
+            } => {
+                write!(f, "{variable} = {value} is below {min}")
+            }
+            Self::AboveMax {
+                variable,
+                value,
+                max,
+            } => {
+                write!(f, "{variable} = {value} is above {max}")
+            }
+            Self::NotAnItem {
+                variable,
+                value,
+                enumeration,
+            } => {
+                write!(f, "{variable} = {value} is no value of {enumeration}")
+            }
+            Self::NoDerivative { variable, order } => {
+                write!(f, "{variable} offers no derivative of order {order}")
+            }
+            Self::Experiment { start, stop } => {
+                write!(
+                    f,
+                    "stop time {stop} s does not lie after start time {start} s"
+                )
+            }
+            Self::StepTime { time, current } => {
+                write!(
+                    f,
+                    "step starts at t = {time} s, but the model stands at {current} s"
+                )
+            }
+            Self::StepSize { step, time } => {
+                write!(
+                    f,
+                    "step size {step} s does not advance time from t = {time} s"
+                )
+            }
+            Self::PastStop { end, stop } => {
+                write!(f, "step ends at t = {end} s, after stop time {stop} s")
+            }
+            Self::Model(failure) => failure.fmt(f),
+            Self::Serialised(fault) => write!(f, "serialised FMU state {fault}"),
+            Self::Pointer(argument) => write!(f, "argument {argument} is no valid pointer"),
+            Self::UnknownCategory => f.write_str("a log category is not in the model description"),
+            Self::Instantiate(fault) => f.write_str(fault),
+            Self::Guid => f.write_str("GUID differs: library and model description do not match"),
+            Self::NotSupported(what) => write!(f, "{what} are not supported by this FMU"),
+            Self::NoStatus(kind) => write!(f, "nothing is known under status kind {kind}"),
+        }
+    }
+}
+
+fn illegal(f: &mut fmt::Formatter<'_>, call: Call, state: State) -> fmt::Result {
+    write!(f, "{call} is illegal in state {state}; legal in: ")?;
+    match call.legal() {
+        [] => f.write_str("no state of this FMU"),
+        [first, others @ ..] => {
+            write!(f, "{first}")?;
+            others.iter().try_for_each(|other| write!(f, ", {other}"))
+        }
+    }
+}
+
+impl std::error::Error for Error {}

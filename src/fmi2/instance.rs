@@ -1,0 +1,320 @@
+//! An instance of a model: life cycle, checked access to its variables, steps. No C in here.
+//!
+//! A call that returns an error has changed nothing, except when the model itself failed: then the
+//! instance is in [`State::Error`] until it is reset or a saved state is restored.
+
+use crate::saved::Saved;
+use crate::value::{Value, find, finite, settable};
+use crate::{Call, Causality, Error, Failure, Log, Model, State, Variable};
+
+/// Communication points may differ from the model's time by this much, relative to max(1 s, |t|):
+/// far above the rounding of any sum of steps, far below any step.
+pub const TIME_TOLERANCE: f64 = 1e-9;
+
+/// A model in its life cycle.
+#[derive(Clone)]
+pub struct Instance<M: Model> {
+    now: Saved<M>,
+}
+
+impl<M: Model> Default for Instance<M> {
+    fn default() -> Self {
+        Self { now: Saved::new() }
+    }
+}
+
+impl<M: Model> Instance<M> {
+    /// Where it stands in its life cycle.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.now.state
+    }
+
+    /// End of the last step [s].
+    #[must_use]
+    pub const fn time(&self) -> f64 {
+        self.now.time
+    }
+
+    /// Whether the life cycle allows a call now.
+    ///
+    /// # Errors
+    /// [`Error::IllegalCall`] when it does not.
+    pub fn permit(&self, call: Call) -> Result<(), Error> {
+        let state = self.now.state;
+        if call.legal().contains(&state) {
+            Ok(())
+        } else {
+            Err(Error::IllegalCall { call, state })
+        }
+    }
+
+    /// `fmi2SetupExperiment`: times in seconds. Without it a run starts at 0 s and has no end.
+    ///
+    /// # Errors
+    /// When a time is not finite or the stop does not lie after the start.
+    pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
+        self.permit(Call::SetupExperiment)?;
+        let end = stop.unwrap_or(f64::INFINITY);
+        if !start.is_finite() || end.is_nan() || end <= start {
+            return Err(Error::Experiment { start, stop: end });
+        }
+        (self.now.start, self.now.time, self.now.stop) = (start, start, end);
+        Ok(())
+    }
+
+    /// `fmi2EnterInitializationMode`.
+    ///
+    /// # Errors
+    /// When the life cycle does not allow it.
+    pub fn enter_initialization(&mut self) -> Result<(), Error> {
+        self.permit(Call::EnterInitializationMode)?;
+        (self.now.state, self.now.stale) = (State::Initialization, true);
+        Ok(())
+    }
+
+    /// `fmi2ExitInitializationMode`: initialises, unless reading an output did so already.
+    ///
+    /// # Errors
+    /// When the model cannot start from its parameters.
+    pub fn exit_initialization(&mut self, log: &mut Log<'_>) -> Result<(), Error> {
+        self.permit(Call::ExitInitializationMode)?;
+        self.refresh(log)?;
+        self.now.state = State::StepComplete;
+        Ok(())
+    }
+
+    /// `fmi2Terminate`.
+    ///
+    /// # Errors
+    /// When the life cycle does not allow it.
+    pub fn terminate(&mut self) -> Result<(), Error> {
+        self.permit(Call::Terminate)?;
+        self.now.state = State::Terminated;
+        Ok(())
+    }
+
+    /// `fmi2Reset`: as a fresh instance, bit for bit.
+    ///
+    /// # Errors
+    /// None in the present life cycle.
+    pub fn reset(&mut self) -> Result<(), Error> {
+        self.permit(Call::Reset)?;
+        self.now = Saved::new();
+        Ok(())
+    }
+
+    /// `fmi2GetXXX`: the values, in the order of their references.
+    ///
+    /// Outputs are computed first when something was set since. Everything is checked before the
+    /// first value is handed out.
+    ///
+    /// # Errors
+    /// For a reference of another type, and when the model fails.
+    pub fn get<'a, T: Value>(
+        &'a mut self,
+        references: &'a [u32],
+        log: &mut Log<'_>,
+    ) -> Result<impl Iterator<Item = T> + use<'a, M, T>, Error> {
+        self.permit(T::GET)?;
+        let mut computed = false;
+        for &reference in references {
+            computed |= is_computed(find::<M, T>(M::VARIABLES, reference)?.0);
+        }
+        if computed {
+            self.refresh(log)?;
+        }
+        let model = &mut self.now.model;
+        let value = |&reference| {
+            let (_, field) = find::<M, T>(M::VARIABLES, reference).ok()?;
+            Some(*field(model))
+        };
+        Ok(references.iter().filter_map(value))
+    }
+
+    /// `fmi2SetXXX`: checks everything, then writes everything.
+    ///
+    /// # Errors
+    /// For a reference of another type, a row that may not be set now, and a value out of range.
+    pub fn set<T: Value>(
+        &mut self,
+        references: &[u32],
+        values: impl Iterator<Item = T> + Clone,
+    ) -> Result<(), Error> {
+        self.permit(T::SET)?;
+        for (&reference, value) in references.iter().zip(values.clone()) {
+            let (row, _) = find::<M, T>(M::VARIABLES, reference)?;
+            settable(row, self.now.state)?;
+            value.check(row)?;
+        }
+        for (&reference, value) in references.iter().zip(values) {
+            let (_, field) = find::<M, T>(M::VARIABLES, reference)?;
+            *field(&mut self.now.model) = value;
+            self.now.stale = true;
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetRealInputDerivatives`: first derivatives of inputs; each stays until it is set anew.
+    ///
+    /// # Errors
+    /// For an order other than 1, a row without a rate, and a value that is not finite.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Result<(), Error> {
+        self.permit(Call::SetRealInputDerivatives)?;
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let (row, _) = derivative::<M>(reference, order, |row| row.rate)?;
+            finite(row.name, value)?;
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let (_, rate) = derivative::<M>(reference, order, |row| row.rate)?;
+            *rate(&mut self.now.model) = value;
+            self.now.stale = true;
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetRealOutputDerivatives`: first derivatives of outputs.
+    ///
+    /// # Errors
+    /// For an order other than 1 and a row without a slope.
+    pub fn output_derivatives<'a>(
+        &'a mut self,
+        references: &'a [u32],
+        orders: &'a [i32],
+        log: &mut Log<'_>,
+    ) -> Result<impl Iterator<Item = f64> + use<'a, M>, Error> {
+        self.permit(Call::GetRealOutputDerivatives)?;
+        for (&reference, &order) in references.iter().zip(orders) {
+            derivative::<M>(reference, order, |row| row.slope)?;
+        }
+        self.refresh(log)?;
+        let model = &mut self.now.model;
+        let value = |(&reference, &order)| {
+            let (_, slope) = derivative::<M>(reference, order, |row| row.slope).ok()?;
+            Some(*slope(model))
+        };
+        Ok(references.iter().zip(orders).filter_map(value))
+    }
+
+    /// `fmi2DoStep`: from communication point `time` over `step` [s].
+    ///
+    /// # Errors
+    /// When the step does not start at the model's time, does not advance it or leads past the stop
+    /// time, and when the model fails.
+    pub fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Error> {
+        self.permit(Call::DoStep)?;
+        let end = self.end_of_step(time, step)?;
+        self.now
+            .model
+            .step(time, end - time, log)
+            .map_err(|failure| self.fail(failure))?;
+        (self.now.time, self.now.stale) = (end, false);
+        self.demand_finite()
+    }
+
+    /// A copy of everything: the FMU state.
+    ///
+    /// # Errors
+    /// None in the present life cycle.
+    pub fn save(&self) -> Result<Saved<M>, Error> {
+        self.permit(Call::GetFMUstate)?;
+        Ok(self.now.clone())
+    }
+
+    /// Goes back to a saved state, life cycle included.
+    ///
+    /// # Errors
+    /// None in the present life cycle.
+    pub fn restore(&mut self, saved: &Saved<M>) -> Result<(), Error> {
+        self.permit(Call::SetFMUstate)?;
+        self.now = saved.clone();
+        Ok(())
+    }
+
+    /// End of a legal step [s]; the stop time when it is missed by rounding only.
+    fn end_of_step(&self, time: f64, step: f64) -> Result<f64, Error> {
+        let (current, stop) = (self.now.time, self.now.stop);
+        let tolerance = TIME_TOLERANCE * current.abs().max(1.0);
+        let starts_here = (time - current).abs() <= tolerance;
+        if !starts_here {
+            return Err(Error::StepTime { time, current });
+        }
+        let end = time + step;
+        if !end.is_finite() || end <= time {
+            return Err(Error::StepSize { step, time });
+        }
+        if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) || time >= stop {
+            return Err(Error::PastStop { end, stop });
+        }
+        Ok(end.min(stop))
+    }
+
+    /// Computes what depends on values that were set since the last computation.
+    fn refresh(&mut self, log: &mut Log<'_>) -> Result<(), Error> {
+        if !self.now.stale {
+            return Ok(());
+        }
+        match self.now.state {
+            State::Instantiated | State::Error => return Ok(()),
+            State::Initialization => {
+                let start = self.now.start;
+                self.now
+                    .model
+                    .initialize(start, log)
+                    .map_err(|failure| self.fail(failure))?;
+            }
+            State::StepComplete | State::Terminated => self.now.model.update_outputs(),
+        }
+        self.now.stale = false;
+        self.demand_finite()
+    }
+
+    /// No importer shall be handed a NaN that the model did not notice.
+    fn demand_finite(&mut self) -> Result<(), Error> {
+        for row in M::VARIABLES.iter().filter(|row| is_computed(row)) {
+            let Some(field) = f64::field(&row.access) else {
+                continue;
+            };
+            if !field(&mut self.now.model).is_finite() {
+                let failure = Failure::Diverged {
+                    variable: row.name,
+                    time: self.now.time,
+                };
+                return Err(self.fail(failure));
+            }
+        }
+        Ok(())
+    }
+
+    fn fail(&mut self, failure: Failure) -> Error {
+        self.now.state = State::Error;
+        Error::Model(failure)
+    }
+}
+
+fn is_computed<M>(row: &Variable<M>) -> bool {
+    matches!(row.causality, Causality::Output | Causality::Local)
+}
+
+type Reals<M> = fn(&mut M) -> &mut f64;
+
+fn derivative<M: Model>(
+    reference: u32,
+    order: i32,
+    choose: fn(&Variable<M>) -> Option<Reals<M>>,
+) -> Result<(&'static Variable<M>, Reals<M>), Error> {
+    let (row, _) = find::<M, f64>(M::VARIABLES, reference)?;
+    let field = choose(row).filter(|_| order == 1);
+    field.map(|field| (row, field)).ok_or(Error::NoDerivative {
+        variable: row.name,
+        order,
+    })
+}
+
+#[cfg(test)]
+mod tests;

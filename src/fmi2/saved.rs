@@ -1,0 +1,213 @@
+//! Everything that makes up an instance: a saved FMU state, in memory and as bytes.
+//!
+//! ```text
+//! magic 8 | version 4 | GUID 16 | length of the payload 8 | checksum of the payload 16 | payload
+//! ```
+//!
+//! All little-endian. The payload holds life cycle, times, all variables of the table with their
+//! rates and slopes, and the model's hidden state.
+
+use crate::guid::table_hash;
+use crate::hash::Hash;
+use crate::{Access, Error, Model, State, StateFields};
+
+const MAGIC: &[u8; 8] = b"FMI2SAVE";
+const VERSION: u32 = 1;
+
+/// A saved FMU state: the model with its place in the life cycle.
+#[derive(Clone)]
+pub struct Saved<M> {
+    pub(crate) model: M,
+    pub(crate) state: State,
+    /// End of the last step [s].
+    pub(crate) time: f64,
+    /// Start time [s].
+    pub(crate) start: f64,
+    /// Stop time [s]; infinite when there is none.
+    pub(crate) stop: f64,
+    /// Something was set since the outputs were computed.
+    pub(crate) stale: bool,
+}
+
+impl<M: Model> Saved<M> {
+    pub(crate) fn new() -> Self {
+        Self {
+            model: M::default(),
+            state: State::Instantiated,
+            time: 0.0,
+            start: 0.0,
+            stop: f64::INFINITY,
+            stale: true,
+        }
+    }
+
+    /// The state as bytes; their number is the same for every state of a model.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut payload = Writer(Vec::new());
+        self.clone().visit(&mut payload);
+        let Writer(payload) = payload;
+        let mut bytes = header::<M>(&payload);
+        bytes.extend(payload);
+        bytes
+    }
+
+    /// Reads what [`Self::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`Error::Serialised`] when the bytes are of another FMU or version, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        let payload = checked_payload::<M>(bytes)?;
+        let mut reader = Reader {
+            rest: payload,
+            intact: true,
+        };
+        let mut saved = Self::new();
+        saved.visit(&mut reader);
+        if !reader.intact || !reader.rest.is_empty() {
+            return Err(Error::Serialised("does not hold the fields of this model"));
+        }
+        saved.model.restored();
+        Ok(saved)
+    }
+
+    /// Every field, in the order of the payload.
+    fn visit(&mut self, fields: &mut dyn Fields) {
+        fields.state(&mut self.state);
+        fields.boolean(&mut self.stale);
+        for time in [&mut self.time, &mut self.start, &mut self.stop] {
+            fields.real(time);
+        }
+        for row in M::VARIABLES {
+            match row.access {
+                Access::Real(field) => fields.real(field(&mut self.model)),
+                Access::Boolean(field) => fields.boolean(field(&mut self.model)),
+                Access::Integer(field) | Access::Enumeration(field, _) => {
+                    fields.integer(field(&mut self.model));
+                }
+            }
+            for field in [row.rate, row.slope].into_iter().flatten() {
+                fields.real(field(&mut self.model));
+            }
+        }
+        self.model.hidden_state(fields);
+    }
+}
+
+fn header<M: Model>(payload: &[u8]) -> Vec<u8> {
+    let length = u64::try_from(payload.len()).unwrap_or(u64::MAX);
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(table_hash::<M>().to_le_bytes());
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(checksum(payload).to_le_bytes());
+    bytes
+}
+
+/// The payload, once its header proves that it is one of this model.
+fn checked_payload<M: Model>(bytes: &[u8]) -> Result<&[u8], Error> {
+    let cut = Error::Serialised("is cut short");
+    let (magic, rest) = take::<8>(bytes).ok_or(cut.clone())?;
+    let (version, rest) = take::<4>(rest).ok_or(cut.clone())?;
+    let (guid, rest) = take::<16>(rest).ok_or(cut.clone())?;
+    let (length, rest) = take::<8>(rest).ok_or(cut.clone())?;
+    let (sum, payload) = take::<16>(rest).ok_or(cut)?;
+    let fault = if magic != *MAGIC {
+        "does not begin like one"
+    } else if u32::from_le_bytes(version) != VERSION {
+        "is of another version of its format"
+    } else if u128::from_le_bytes(guid) != table_hash::<M>() {
+        "is of a model with another GUID"
+    } else if usize::try_from(u64::from_le_bytes(length)) != Ok(payload.len()) {
+        "has another length than it says"
+    } else if u128::from_le_bytes(sum) != checksum(payload) {
+        "is damaged: its checksum differs"
+    } else {
+        return Ok(payload);
+    };
+    Err(Error::Serialised(fault))
+}
+
+fn checksum(payload: &[u8]) -> u128 {
+    let mut hash = Hash::new();
+    hash.bytes(payload);
+    hash.value()
+}
+
+fn take<const N: usize>(bytes: &[u8]) -> Option<([u8; N], &[u8])> {
+    bytes
+        .split_first_chunk()
+        .map(|(first, rest)| (*first, rest))
+}
+
+/// The fields of a model, and the life-cycle state before them.
+trait Fields: StateFields {
+    fn state(&mut self, state: &mut State);
+}
+
+struct Writer(Vec<u8>);
+
+impl StateFields for Writer {
+    fn real(&mut self, value: &mut f64) {
+        self.0.extend(value.to_bits().to_le_bytes());
+    }
+
+    fn integer(&mut self, value: &mut i32) {
+        self.0.extend(value.to_le_bytes());
+    }
+
+    fn boolean(&mut self, value: &mut bool) {
+        self.0.push(u8::from(*value));
+    }
+}
+
+impl Fields for Writer {
+    fn state(&mut self, state: &mut State) {
+        let number = (0..).zip(State::ALL).find(|(_, known)| known == state);
+        self.0.extend(number.map(|(number, _): (u8, _)| number));
+    }
+}
+
+/// Reads fields until one is missing or senseless; that one and all others keep their values.
+struct Reader<'a> {
+    rest: &'a [u8],
+    intact: bool,
+}
+
+impl Reader<'_> {
+    fn read<const N: usize, T>(&mut self, value: &mut T, convert: fn([u8; N]) -> Option<T>) {
+        let read = take(self.rest).and_then(|(bytes, rest)| Some((convert(bytes)?, rest)));
+        match read {
+            Some((new, rest)) if self.intact => (*value, self.rest) = (new, rest),
+            _ => self.intact = false,
+        }
+    }
+}
+
+impl StateFields for Reader<'_> {
+    fn real(&mut self, value: &mut f64) {
+        self.read(value, |bytes| {
+            Some(f64::from_bits(u64::from_le_bytes(bytes)))
+        });
+    }
+
+    fn integer(&mut self, value: &mut i32) {
+        self.read(value, |bytes| Some(i32::from_le_bytes(bytes)));
+    }
+
+    fn boolean(&mut self, value: &mut bool) {
+        self.read(value, |[byte]| match byte {
+            0 => Some(false),
+            1 => Some(true),
+            _ => None,
+        });
+    }
+}
+
+impl Fields for Reader<'_> {
+    fn state(&mut self, state: &mut State) {
+        self.read(state, |[number]| {
+            State::ALL.get(usize::from(number)).copied()
+        });
+    }
+}

@@ -1,0 +1,149 @@
+//! The types a variable can have at the interface, and when a value is legal.
+
+use crate::{Access, Call, Causality, Error, State, Variability, Variable};
+
+/// A type that `fmi2GetXXX` and `fmi2SetXXX` move: `f64`, `i32` or `bool`.
+pub trait Value: Copy + 'static {
+    /// FMI's name of the type.
+    const KIND: &'static str;
+    /// Its getter.
+    const GET: Call;
+    /// Its setter.
+    const SET: Call;
+
+    /// The field behind a row, if it has this type.
+    fn field<M>(access: &Access<M>) -> Option<fn(&mut M) -> &mut Self>;
+
+    /// Whether a row may have this value.
+    ///
+    /// # Errors
+    /// When it is not finite, outside the limits of the row, or none of its enumeration.
+    fn check<M>(self, row: &Variable<M>) -> Result<(), Error>;
+}
+
+impl Value for f64 {
+    const KIND: &'static str = "Real";
+    const GET: Call = Call::GetReal;
+    const SET: Call = Call::SetReal;
+
+    fn field<M>(access: &Access<M>) -> Option<fn(&mut M) -> &mut Self> {
+        match access {
+            Access::Real(field) => Some(*field),
+            _ => None,
+        }
+    }
+
+    fn check<M>(self, row: &Variable<M>) -> Result<(), Error> {
+        finite(row.name, self)?;
+        within(row, self)
+    }
+}
+
+impl Value for i32 {
+    const KIND: &'static str = "Integer";
+    const GET: Call = Call::GetInteger;
+    const SET: Call = Call::SetInteger;
+
+    fn field<M>(access: &Access<M>) -> Option<fn(&mut M) -> &mut Self> {
+        match access {
+            Access::Integer(field) | Access::Enumeration(field, _) => Some(*field),
+            _ => None,
+        }
+    }
+
+    fn check<M>(self, row: &Variable<M>) -> Result<(), Error> {
+        let (variable, value) = (row.name, self);
+        match row.access {
+            Access::Enumeration(_, kind) if kind.items.iter().all(|item| item.value != value) => {
+                Err(Error::NotAnItem {
+                    variable,
+                    value,
+                    enumeration: kind.name,
+                })
+            }
+            _ => within(row, f64::from(value)),
+        }
+    }
+}
+
+impl Value for bool {
+    const KIND: &'static str = "Boolean";
+    const GET: Call = Call::GetBoolean;
+    const SET: Call = Call::SetBoolean;
+
+    fn field<M>(access: &Access<M>) -> Option<fn(&mut M) -> &mut Self> {
+        match access {
+            Access::Boolean(field) => Some(*field),
+            _ => None,
+        }
+    }
+
+    fn check<M>(self, _: &Variable<M>) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+/// Where a row's value lives.
+pub(crate) type Field<M, T> = fn(&mut M) -> &mut T;
+
+/// The row of a value reference, with its field of type `T`.
+pub(crate) fn find<M, T: Value>(
+    rows: &[Variable<M>],
+    reference: u32,
+) -> Result<(&Variable<M>, Field<M, T>), Error> {
+    usize::try_from(reference)
+        .ok()
+        .and_then(|index| rows.get(index))
+        .and_then(|row| Some((row, T::field(&row.access)?)))
+        .ok_or(Error::UnknownReference {
+            reference,
+            kind: T::KIND,
+        })
+}
+
+/// Whether the row may be set in this state (notes 1, 3 and 6 of the table in FMI 2.0.4, 4.2.4).
+///
+/// Note 1 leaves out inputs in `instantiated`, but importers set them there.
+pub(crate) fn settable<M>(row: &Variable<M>, state: State) -> Result<(), Error> {
+    let legal = match row.causality {
+        Causality::Input => true,
+        Causality::Parameter => {
+            state != State::StepComplete || row.variability == Variability::Tunable
+        }
+        Causality::Output | Causality::Local => false,
+    };
+    if legal {
+        Ok(())
+    } else {
+        Err(Error::NotSettable {
+            variable: row.name,
+            state,
+        })
+    }
+}
+
+/// Refuses NaN and infinities.
+pub(crate) fn finite(variable: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::NotFinite { variable, value })
+    }
+}
+
+fn within<M>(row: &Variable<M>, value: f64) -> Result<(), Error> {
+    let variable = row.name;
+    match (row.min, row.max) {
+        (Some(min), _) if value < min => Err(Error::BelowMin {
+            variable,
+            value,
+            min,
+        }),
+        (_, Some(max)) if value > max => Err(Error::AboveMax {
+            variable,
+            value,
+            max,
+        }),
+        _ => Ok(()),
+    }
+}
