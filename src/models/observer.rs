@@ -145,6 +145,7 @@ impl Model for Observer {
             load,
             lock,
             friction,
+            touching,
             saturated,
             g,
             ..
@@ -162,7 +163,12 @@ impl Model for Observer {
         }
         fields.boolean(&mut load.found);
         fields.reals(&mut lock.since);
-        fields.reals(&mut friction.0);
+        for values in [&mut friction.mu, &mut friction.slipping, &mut friction.seen] {
+            fields.reals(values);
+        }
+        touching
+            .iter_mut()
+            .for_each(|touches| fields.boolean(touches));
         fields.real(saturated);
         fields.reals(g);
     }

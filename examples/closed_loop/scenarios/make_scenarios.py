@@ -64,8 +64,7 @@ def write(name: str, time: np.ndarray, clutch_signals: list[Signal]) -> None:
     ]
     lines = [",".join(name for name, _ in signals)]
     lines += [
-        ",".join(f"{v:.10g}" for v in row)
-        for row in zip(*(v for _, v in signals), strict=True)
+        ",".join(f"{v:.10g}" for v in row) for row in zip(*(v for _, v in signals), strict=True)
     ]
     (Path(__file__).parent / name).write_text("\n".join(lines) + "\n", newline="\n")
 

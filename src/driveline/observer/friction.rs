@@ -1,8 +1,10 @@
 //! Friction learnt while slipping: what a clutch control may rely on.
 //!
 //! In an engaged clutch (29) adapts μ·f to the torque that happens to flow, which says nothing of the
-//! friction. So μ̂ is taken only from a clutch that slips well above its touch point, low-passed, and
-//! kept otherwise.
+//! friction; and while both clutches transmit, speeds leave one direction of (T_c1, T_c2) nearly
+//! undetermined (erratum E5). So μ̂ is taken from a clutch that slips well above its touch point while
+//! the other is open, low-passed, and kept otherwise. Until a clutch has been seen alone, what both
+//! tell together is better than the nominal value.
 
 use crate::Params;
 use crate::observer::Sample;
@@ -12,12 +14,23 @@ use nalgebra::ComplexField;
 const SLIP: f64 = 5.0;
 /// Torque per unit of friction above which a clutch can be judged [N·m].
 const LEVER: f64 = 20.0;
+/// Time for which it has to slip before it is judged [s].
+const SETTLING: f64 = 0.03;
 /// Time constant of the low pass [s].
 const TAU: f64 = 0.05;
+/// Time a clutch has to be seen slipping alone before its friction is known [s].
+const KNOWN: f64 = 2.0 * TAU;
 
-/// μ̂ learnt in both clutches, shape (2) [1].
+/// Friction learnt in both clutches.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Friction(pub [f64; 2]);
+pub struct Friction {
+    /// μ̂ [1], shape (2).
+    pub mu: [f64; 2],
+    /// How long each clutch has been slipping [s], shape (2).
+    pub slipping: [f64; 2],
+    /// How long each clutch was seen slipping alone [s], shape (2), at most what makes it known.
+    pub seen: [f64; 2],
+}
 
 impl Friction {
     /// Largest friction coefficient of any clutch lining [1].
@@ -25,15 +38,38 @@ impl Friction {
     /// Smallest friction coefficient a slipping clutch can have [1].
     const SMALLEST: f64 = 0.01;
 
+    /// Nothing learnt yet: the nominal friction coefficients [1], shape (2).
+    pub const fn nominal(mu_n: [f64; 2]) -> Self {
+        Self {
+            mu: mu_n,
+            slipping: [0.0; 2],
+            seen: [0.0; 2],
+        }
+    }
+
+    /// The friction of clutch `i` was learnt, not assumed.
+    pub fn known(&self, i: usize) -> bool {
+        self.seen[i] >= KNOWN
+    }
+
     /// Takes the adapted μ̂ of both clutches, signed like their torque, `h` [s] after the last.
     pub fn learn(&mut self, p: &Params, sample: &Sample, mu_hat: [f64; 2], h: f64) {
-        let slip = sample.slip();
-        for i in 0..2 {
-            let clutch = &p.clutch[i];
-            let lever = clutch.force(sample.actuation[i]) * clutch.r_c_n;
-            if slip[i].abs() > SLIP && lever > LEVER {
-                let seen = (mu_hat[i] * slip[i].signum()).clamp(Self::SMALLEST, Self::PHYSICAL);
-                self.0[i] = seen + (self.0[i] - seen) * ComplexField::exp(-h / TAU);
+        let lever = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n);
+        for (i, slip) in sample.slip().into_iter().enumerate() {
+            let slips = slip.abs() > SLIP && lever[i] > LEVER;
+            self.slipping[i] = if slips {
+                (self.slipping[i] + h).min(SETTLING)
+            } else {
+                0.0
+            };
+            let alone = lever[1 - i] <= 0.0;
+            if self.slipping[i] < SETTLING || !(alone || !self.known(i)) {
+                continue;
+            }
+            let mu = (mu_hat[i] * slip.signum()).clamp(Self::SMALLEST, Self::PHYSICAL);
+            self.mu[i] = mu + (self.mu[i] - mu) * ComplexField::exp(-h / TAU);
+            if alone {
+                self.seen[i] = (self.seen[i] + h).min(KNOWN);
             }
         }
     }

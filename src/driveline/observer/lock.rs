@@ -4,7 +4,7 @@ use crate::Params;
 use crate::observer::Sample;
 
 /// Slip below which a clutch may be engaged [rad/s]; damper vibration stays below it.
-const SLIP: f64 = 3.0;
+pub const SLIP: f64 = 3.0;
 /// Time for which it has to be [s].
 const TIME: f64 = 0.03;
 

@@ -18,7 +18,7 @@
 use crate::Params;
 use crate::observer::friction::Friction;
 use crate::observer::load::Load;
-use crate::observer::lock::Lock;
+use crate::observer::lock::{self, Lock};
 use crate::observer::{Estimate, Observer, Sample, Settings, map_based};
 use crate::reduced::{Discrete, Reduced};
 use nalgebra::{ComplexField, SMatrix, Vector2, Vector3};
@@ -93,6 +93,8 @@ pub struct Paper {
     pub lock: Lock,
     /// Friction learnt while slipping.
     pub friction: Friction,
+    /// Clutch was above its touch point at the last instant, shape (2).
+    pub touching: [bool; 2],
     /// Time for which a friction has been at its bound [s].
     pub saturated: f64,
     /// g of the last sample; x1 and x2 are defined by it.
@@ -120,7 +122,8 @@ impl Default for Paper {
                 ..Load::default()
             },
             lock: Lock::default(),
-            friction: Friction([0.0; 2]),
+            friction: Friction::nominal([0.0; 2]),
+            touching: [false; 2],
             saturated: 0.0,
             g: [1.0; 2],
             cache: None,
@@ -157,7 +160,7 @@ impl Lever {
 impl Observer for Paper {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self {
-            friction: Friction(settings.mu_n),
+            friction: Friction::nominal(settings.mu_n),
             g: ratios(p, sample, [1.0; 2]),
             ..Self::default()
         };
@@ -178,10 +181,12 @@ impl Observer for Paper {
         };
         let model = Reduced::new(p, self.g, p.c_o);
         let levers = [0, 1].map(|i| Lever::new(p, sample, i));
+        let engaged = self.lock.engaged();
+        self.lock.step(p, sample, h);
         if settings.adapts {
+            self.recall(settings, sample, &levers, engaged);
             self.adapt(&model, &gains, &levers, settings.mu_n, h);
         }
-        self.lock.step(p, sample, h);
         let t_v = self.load.step(p, settings.load, sample, &self.lock, h);
         let (mu_f, t_c) = self.torques(settings, &levers);
         let discrete = self.discrete(&model, &gains, h);
@@ -252,6 +257,29 @@ impl Paper {
         self.saturated = if bounded { self.saturated + h } else { 0.0 };
     }
 
+    /// ε̂ of a clutch that begins to slip: the friction learnt in its last slip, against the slip.
+    ///
+    /// Deviation: the paper lets (29) find it anew each time, from what it adapted at another position
+    /// or in the engaged clutch, and with the wrong sign where the slip is negative (erratum E8).
+    fn recall(
+        &mut self,
+        settings: &Settings,
+        sample: &Sample,
+        levers: &[Lever; 2],
+        engaged: [bool; 2],
+    ) {
+        for (i, slip) in sample.slip().into_iter().enumerate() {
+            let touches = levers[i].arm > 0.0;
+            let begins = touches && !self.touching[i] && slip.abs() > lock::SLIP;
+            let breaks_away = engaged[i] && touches && slip.abs() > lock::SLIP;
+            if self.friction.known(i) && (begins || breaks_away) {
+                let mu = self.friction.mu[i] * slip.signum();
+                self.epsilon[i] = (mu - settings.mu_n[i]) * levers[i].f_n;
+            }
+            self.touching[i] = touches;
+        }
+    }
+
     fn discrete(&mut self, model: &Reduced, gains: &Gains, h: f64) -> Discrete {
         match self.cache {
             Some(cache) if (cache.model, cache.gains, cache.h) == (*model, *gains, h) => {
@@ -294,7 +322,7 @@ impl Paper {
             t_v,
             mu_f,
             epsilon: self.epsilon,
-            friction: self.friction.0,
+            friction: self.friction.mu,
             innovation: self.innovation.into(),
             engaged: self.lock.engaged(),
             valid: self.saturated < SATURATION,
