@@ -63,7 +63,7 @@ impl Friction {
                 0.0
             };
             let alone = lever[1 - i] <= 0.0;
-            if self.slipping[i] < SETTLING || !(alone || !self.known(i)) {
+            if self.slipping[i] < SETTLING || !alone && self.known(i) {
                 continue;
             }
             let mu = (mu_hat[i] * slip.signum()).clamp(Self::SMALLEST, Self::PHYSICAL);

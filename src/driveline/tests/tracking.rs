@@ -75,7 +75,7 @@ fn run(mu_n: [f64; 2], feedback: bool) -> Tracking {
         };
         let first = plant.is_none();
         let plant = plant.get_or_insert_with(|| Plant::start(&p, &u, case.omega_e, case.v));
-        let mut measure = |plant: &Plant| {
+        let measure = |plant: &Plant| {
             let y = plant.outputs(&p, &propagators.systems, &u);
             let actuation = theta.map(|position| Actuation {
                 position,
