@@ -208,10 +208,10 @@ impl<M: Model> Instance<M> {
     /// time, and when the model fails.
     pub fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Error> {
         self.permit(Call::DoStep)?;
-        let end = self.end_of_step(time, step)?;
+        let (step, end) = self.legal_step(time, step)?;
         self.now
             .model
-            .step(time, end - time, log)
+            .step(time, step, log)
             .map_err(|failure| self.fail(failure))?;
         (self.now.time, self.now.stale) = (end, false);
         self.demand_finite()
@@ -236,8 +236,9 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    /// End of a legal step [s]; the stop time when it is missed by rounding only.
-    fn end_of_step(&self, time: f64, step: f64) -> Result<f64, Error> {
+    /// Size and end of a legal step [s]. The size is the importer's own, bit for bit, unless the step
+    /// misses the stop time by rounding: then it ends there.
+    fn legal_step(&self, time: f64, step: f64) -> Result<(f64, f64), Error> {
         let (current, stop) = (self.now.time, self.now.stop);
         let tolerance = TIME_TOLERANCE * current.abs().max(1.0);
         let starts_here = (time - current).abs() <= tolerance;
@@ -251,7 +252,11 @@ impl<M: Model> Instance<M> {
         if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) || time >= stop {
             return Err(Error::PastStop { end, stop });
         }
-        Ok(end.min(stop))
+        Ok(if end > stop {
+            (stop - time, stop)
+        } else {
+            (step, end)
+        })
     }
 
     /// Computes what depends on values that were set since the last computation.

@@ -15,6 +15,7 @@ struct Tank {
     open: bool,
     mode: i32,
     steps: i32,
+    last_step: f64,
 }
 
 static MODE: Enumeration = Enumeration {
@@ -45,6 +46,7 @@ impl Default for Tank {
             open: true,
             mode: 1,
             steps: 0,
+            last_step: 0.0,
         }
     }
 }
@@ -98,12 +100,14 @@ impl Model for Tank {
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         self.level += step * self.gain * (self.inflow + 0.5 * step * self.inflow_rate) / self.area;
         self.steps += 1;
+        self.last_step = step;
         log.event(format_args!("t = {time}"));
         Ok(())
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
         fields.integer(&mut self.steps);
+        fields.real(&mut self.last_step);
     }
 }
 
@@ -248,6 +252,16 @@ fn rounded_communication_points_are_tolerated() {
     }
     step(&mut tank, time, 0.1 + 5e-10).unwrap();
     assert_eq!(tank.time(), 1.0, "the stop time is met exactly");
+}
+
+#[test]
+fn the_model_is_handed_the_importers_step_bit_for_bit() {
+    let mut tank = running();
+    for k in 0..9 {
+        let time = f64::from(k) * 0.1;
+        step(&mut tank, time, 0.1).unwrap();
+        assert_eq!(tank.now.model.last_step, 0.1, "at t = {time}");
+    }
 }
 
 #[test]
