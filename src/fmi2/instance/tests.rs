@@ -156,7 +156,7 @@ fn a_run_gives_the_closed_form() {
 }
 
 #[test]
-fn every_call_is_legal_in_the_states_of_the_table_only() {
+fn an_illegal_call_is_named_and_changes_nothing() {
     let mut tank = Instance::<Tank>::default();
     let illegal = quietly(|log| tank.step(0.0, 0.1, log)).unwrap_err();
     assert_eq!(illegal.status(), Status::Error);
@@ -166,13 +166,6 @@ fn every_call_is_legal_in_the_states_of_the_table_only() {
             .contains("fmi2DoStep is illegal in state instantiated")
     );
     assert_eq!(tank.state(), State::Instantiated);
-    for call in Call::ALL {
-        assert_eq!(
-            tank.permit(*call).is_ok(),
-            call.legal().contains(&State::Instantiated),
-            "{call}"
-        );
-    }
 }
 
 #[test]
