@@ -1,6 +1,6 @@
 //! The C boundary: the only unsafe file. 34 functions, one way in.
 //!
-//! Every function on an instance goes through [`enter`]: null check, poison check, unwind barrier,
+//! Every function on an instance goes through `enter`: null check, poison check, unwind barrier,
 //! error to log line and status. An FMU library is one line:
 //!
 //! ```ignore
@@ -114,7 +114,7 @@ fn enter<M: Model>(
     }
 }
 
-/// Like [`enter`], with the log that a model writes to.
+/// Like `enter`, with the log that a model writes to.
 fn enter_logged<M: Model>(
     component: *mut c_void,
     call: Call,
