@@ -1,65 +1,22 @@
-"""The harness on a C fixture FMU: closed form, short last step, failures, exit codes."""
+"""The harness on a C fixture FMU: closed form, short last step, failures, what ends a run."""
 
 from __future__ import annotations
 
+import signal
 import subprocess
-import sys
-import tempfile
-import zipfile
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 from dct_harness import master, results
+from harness_fixture.lag_fmu import environment, run, run_command, write_system
 
-SOURCES = sorted((Path(__file__).parent / "harness_fixture").glob("*.c"))
 ROUNDING = 1e-12  # a thousand exact steps, each rounded once
 
 
-def _variable(name: str, reference: int, causality: str, start: str | None) -> str:
-    value = "" if start is None else f' start="{start}"'
-    fixed = ' variability="fixed"' if causality == "parameter" else ""
-    return (f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}"'
-            f"{fixed}><Real{value}/></ScalarVariable>")  # fmt: skip
-
-
-DESCRIPTION = (
-    '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="Lag" guid="{lag}">'
-    '<CoSimulation modelIdentifier="Lag" canHandleVariableCommunicationStepSize="true"/>'
-    "<ModelVariables>"
-    + _variable("u", 0, "input", "0") + _variable("x", 1, "output", None)
-    + _variable("tau", 2, "parameter", "1") + _variable("failAt", 3, "parameter", "1e9")
-    + _variable("nanAt", 4, "parameter", "1e9")
-    + '</ModelVariables><ModelStructure><Outputs><Unknown index="2"/></Outputs>'
-    "</ModelStructure></fmiModelDescription>"
-)  # fmt: skip
-
-
-@pytest.fixture(scope="session")
-def lag_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Directory with `Lag.fmu`, compiled against the FMI headers of the fmpy package."""
-    out = tmp_path_factory.mktemp("lag")
-    headers = Path(fmpy.__file__).parent / "c-code"
-    library = out / "Lag.so"
-    subprocess.run(
-        ["gcc", "-shared", "-fPIC", f"-I{headers}", *SOURCES, "-o", library, "-lm"], check=True
-    )
-    with zipfile.ZipFile(out / "Lag.fmu", "w") as archive:
-        archive.writestr("modelDescription.xml", DESCRIPTION)
-        archive.write(library, "binaries/linux64/Lag.so")
-    return out
-
-
-def _run(fmus: Path, tmp: Path, *options: str, stop: str = "1.0") -> subprocess.CompletedProcess:
-    (tmp / "s.csv").write_text("time,u\n0,2\n10,2\n")
-    (tmp / "s.toml").write_text(
-        f'[system]\nname = "lag"\nstep = 0.001\nstop = {stop}\nscenario = "s.csv"\n'
-        '[components.plant]\nfmu = "Lag.fmu"\n'
-    )
-    command = [sys.executable, "-m", "dct_harness.cli", "run", tmp / "s.toml", "--fmu-dir", fmus]
-    command += ["--out", tmp / "out", *options]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+def exact(time: np.ndarray) -> np.ndarray:
+    """Return the answer of the lag to u = 2, shape of `time` [s]."""
+    return 2 * (1 - np.exp(-time))
 
 
 @pytest.mark.parametrize(("option", "said"), [
@@ -68,21 +25,65 @@ def _run(fmus: Path, tmp: Path, *options: str, stop: str = "1.0") -> subprocess.
 def test_failure_exits_4_and_keeps_the_rows(
     lag_dir: Path, tmp_path: Path, option: str, said: str
 ) -> None:
-    done = _run(lag_dir, tmp_path, "--set", option)
+    done = run(write_system(tmp_path), lag_dir, "--set", option)
     assert done.returncode == 4, done.stderr
     assert said in done.stderr
     kept = results.load(tmp_path / "out")
     assert kept.run["status"] == "partial"
-    exact = 2 * (1 - np.exp(-kept.time))
-    assert len(kept.time) == 501
-    assert np.max(np.abs(kept["plant.x"] - exact)) < ROUNDING
-    assert not list(Path(tempfile.gettempdir()).glob("dct-harness-*"))
+    assert len(kept.time) == kept.run["samples"] == 501
+    assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
 
 
-def test_unknown_parameter_exits_2_with_a_hint(lag_dir: Path, tmp_path: Path) -> None:
-    done = _run(lag_dir, tmp_path, "--set", "plant.tua=2.0")
-    assert done.returncode == 2
-    assert "Did you mean 'tau'?" in done.stderr
+def test_messages_are_shown_when_the_run_fails(lag_dir: Path, tmp_path: Path) -> None:
+    done = run(write_system(tmp_path), lag_dir, "-v", "--set", "plant.failAt=0.5")
+    assert "0.5 s plant [logStatusError] told to\n" in done.stderr
+
+
+def test_kpis_of_an_earlier_run_do_not_outlive_a_failed_one(lag_dir: Path, tmp_path: Path) -> None:
+    system, kpis = write_system(tmp_path), tmp_path / "out/kpis.json"
+    assert run(system, lag_dir).returncode == 0
+    assert kpis.is_file()
+    assert run(system, lag_dir, "--set", "plant.failAt=0.5").returncode == 4
+    assert not kpis.exists()
+
+
+def test_slow_run_ends_at_its_time_limit_with_code_5(lag_dir: Path, tmp_path: Path) -> None:
+    options = ("--set", "plant.delay=0.01", "--timeout", "0.3")
+    done = run(write_system(tmp_path), lag_dir, *options)
+    assert done.returncode == 5, done.stderr
+    assert "not finished after 0.3 s (--timeout)" in done.stderr
+    kept = results.load(tmp_path / "out")
+    assert 1 < len(kept.time) < 100
+    assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
+
+
+def test_fmu_that_never_returns_ends_with_code_5(lag_dir: Path, tmp_path: Path) -> None:
+    options = ("--set", "plant.delay=1000.0", "--timeout", "0.3")
+    done = run(write_system(tmp_path), lag_dir, *options)
+    assert done.returncode == 5, done.stderr
+    assert "an FMU does not return" in done.stderr
+    kept = results.load(tmp_path / "out")
+    assert (len(kept.time), kept.run["status"]) == (1, "partial")
+
+
+def test_interrupt_keeps_the_rows_and_ends_without_traceback(lag_dir: Path, tmp_path: Path) -> None:
+    command = run_command(write_system(tmp_path), lag_dir, "--set", "plant.delay=0.002")
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, env=environment(tmp_path)
+    ) as process:
+        first = process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        rest = process.stderr.read()
+    assert first == " 10 %  step 100 of 1000\n"
+    assert process.returncode == 130
+    assert "interrupted by Ctrl-C" in rest
+    assert "Traceback" not in rest
+    assert list((tmp_path / "tmp").iterdir()) == []
+    kept = results.load(tmp_path / "out")
+    assert kept.run["status"] == "partial"
+    assert "interrupted" in kept.run["error"]
+    assert 100 < len(kept.time) < 1000
+    assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
 
 
 def test_last_step_is_shortened_and_times_do_not_accumulate() -> None:

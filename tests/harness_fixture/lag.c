@@ -1,16 +1,23 @@
-/* First-order lag x' = (u - x) / tau, stepped exactly; the harness tests' own small FMU. */
+/* First-order lag x' = (u - x) / tau, stepped exactly; the harness tests' own small FMU. Besides,
+ * m becomes 2 n and c becomes not b at every step. `delay` is how long a step takes [s]. */
+#define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <stdlib.h>
+#include <time.h>
 #include "fmi2Functions.h"
-/* value references: 0 u, 1 x, 2 tau, 3 failAt (doStep returns Error from there), 4 nanAt */
-typedef struct { double v[5]; const fmi2CallbackFunctions *cb; } Lag;
+enum { U, X, TAU, FAIL_AT, NAN_AT, DELAY, REALS }; /* value references of reals: doStep returns */
+typedef struct {                                   /* Error from FAIL_AT, x is NaN from NAN_AT   */
+    double v[REALS];
+    int n[2], b[2]; /* value references: 0 input, 1 output */
+    const fmi2CallbackFunctions *cb;
+} Lag;
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 fmi2Component fmi2Instantiate(fmi2String n, fmi2Type t, fmi2String g, fmi2String r,
     const fmi2CallbackFunctions *cb, fmi2Boolean vis, fmi2Boolean log) {
     (void)n; (void)t; (void)g; (void)r; (void)vis; (void)log;
     Lag *m = calloc(1, sizeof *m);
-    m->v[2] = 1.0; m->v[3] = 1e9; m->v[4] = 1e9; m->cb = cb;
+    m->v[TAU] = 1.0; m->v[FAIL_AT] = 1e9; m->v[NAN_AT] = 1e9; m->cb = cb;
     return m;
 }
 void fmi2FreeInstance(fmi2Component c) { free(c); }
@@ -20,20 +27,30 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) { (void)c; return fmi2OK
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { (void)c; return fmi2OK; }
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, const double v[]) {
-    for (size_t i = 0; i < n; i++) ((Lag *)c)->v[r[i]] = v[i];
-    return fmi2OK;
-}
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, double v[]) {
-    for (size_t i = 0; i < n; i++) v[i] = ((Lag *)c)->v[r[i]];
-    return fmi2OK;
-}
-fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean b) {
-    Lag *m = c; (void)b;
-    if (t >= m->v[3]) {
+#define ACCESS(type, field) \
+    fmi2Status fmi2Set##type(fmi2Component c, const fmi2ValueReference r[], size_t n, \
+        const fmi2##type v[]) { \
+        for (size_t i = 0; i < n; i++) ((Lag *)c)->field[r[i]] = v[i]; \
+        return fmi2OK; \
+    } \
+    fmi2Status fmi2Get##type(fmi2Component c, const fmi2ValueReference r[], size_t n, \
+        fmi2##type v[]) { \
+        for (size_t i = 0; i < n; i++) v[i] = ((Lag *)c)->field[r[i]]; \
+        return fmi2OK; \
+    }
+ACCESS(Real, v)
+ACCESS(Integer, n)
+ACCESS(Boolean, b)
+fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean f) {
+    Lag *m = c; (void)f;
+    struct timespec pause = {(time_t)m->v[DELAY], (long)(fmod(m->v[DELAY], 1.0) * 1e9)};
+    if (m->v[DELAY] > 0) nanosleep(&pause, NULL);
+    if (t >= m->v[FAIL_AT]) {
         m->cb->logger(m->cb->componentEnvironment, "lag", fmi2Error, "logStatusError", "told to");
         return fmi2Error;
     }
-    m->v[1] = t >= m->v[4] ? NAN : m->v[0] + (m->v[1] - m->v[0]) * exp(-h / m->v[2]);
+    m->v[X] = t >= m->v[NAN_AT] ? NAN : m->v[U] + (m->v[X] - m->v[U]) * exp(-h / m->v[TAU]);
+    m->n[1] = 2 * m->n[0];
+    m->b[1] = !m->b[0];
     return fmi2OK;
 }

@@ -1,8 +1,8 @@
 /* FMI 2.0 functions that an importer looks up and the lag does not offer: all answer Error (3). */
 #define UNSUPPORTED(name) int name(void) { return 3; }
 UNSUPPORTED(fmi2SetDebugLogging)
-UNSUPPORTED(fmi2GetInteger) UNSUPPORTED(fmi2GetBoolean) UNSUPPORTED(fmi2GetString)
-UNSUPPORTED(fmi2SetInteger) UNSUPPORTED(fmi2SetBoolean) UNSUPPORTED(fmi2SetString)
+UNSUPPORTED(fmi2GetString)
+UNSUPPORTED(fmi2SetString)
 UNSUPPORTED(fmi2GetFMUstate) UNSUPPORTED(fmi2SetFMUstate) UNSUPPORTED(fmi2FreeFMUstate)
 UNSUPPORTED(fmi2SerializedFMUstateSize) UNSUPPORTED(fmi2SerializeFMUstate)
 UNSUPPORTED(fmi2DeSerializeFMUstate) UNSUPPORTED(fmi2GetDirectionalDerivative)

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
-import platform
+import math
 import sys
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
-from . import results, system
-from .errors import ConfigError, HarnessError
-from .master import Run
+from .environment import environment
+from .errors import HarnessError, InterruptedRunError
+from .run_verb import run
 
 EXAMPLES = """examples:
   dct-harness run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
@@ -23,7 +20,8 @@ EXAMPLES = """examples:
   dct-harness doctor target/fmu/*.fmu
 
 exit codes: 0 pass, 1 KPI fails, 2 usage or configuration, 3 FMU invalid,
-  4 FMU failed at run time, 5 timeout, 6 no binary for this platform
+  4 FMU failed at run time, 5 timeout, 6 no binary for this platform,
+  130 interrupted (the samples until then are kept)
 """
 
 
@@ -38,9 +36,12 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
     run.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
     run.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
+    run.add_argument("--timeout", type=_seconds, metavar="SECONDS", help="longest wall-clock time")
     loudness = run.add_mutually_exclusive_group()
     loudness.add_argument("-q", "--quiet", action="store_true", help="print errors only")
-    loudness.add_argument("-v", "--verbose", action="store_true", help="print FMU messages too")
+    loudness.add_argument(
+        "-v", "--verbose", action="store_true", help="also KPIs per phase, FMU messages"
+    )
     loudness.add_argument("--json", action="store_true", help="print run.json and the KPIs")
     check = verbs.add_parser("check", help="validate and load one FMU")
     check.add_argument("fmu", type=Path)
@@ -52,68 +53,15 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def environment() -> dict[str, str]:
-    """Return the versions that `run.json` records."""
-    packages = {n: version(n) for n in ("dct-harness", "fmpy", "numpy")}
-    return {**packages, "python": platform.python_version(), "platform": platform.platform()}
-
-
-def _run(args: argparse.Namespace) -> int:
-    model = system.load(args.system)
-    if args.scenario:
-        model.scenario = args.scenario
-    for text in args.set:
-        model.override(text)
-    paths = {n: args.fmu_dir / c.fmu for n, c in model.components.items()}
-    if args.plant:
-        if "plant" not in paths:
-            raise ConfigError(f"--plant: {args.system} has no component 'plant'")
-        paths["plant"] = args.plant
-    run, out = Run(model, paths), args.out or Path("target/results") / model.name
-    failure: HarnessError | None = None
+def _seconds(text: str) -> float:
+    """Read a time [s] greater than 0."""
     try:
-        run.execute(None if args.quiet or args.json else _progress())
-    except HarnessError as error:
-        failure = error
-        raise
-    except KeyboardInterrupt:
-        failure = HarnessError("interrupted")
-        raise
-    finally:
-        if len(run.rows):
-            results.write(out, *run.table(), {**run.summary(failure), "environment": environment()})
-    loaded = results.load(out)
-    kpis = importlib.import_module("dct_harness.kpi").compute(loaded, loaded.run)
-    results.write_text(out / "kpis.json", json.dumps(kpis, indent=2) + "\n")
-    _print_run(args, out, loaded, kpis)
-    return 0
-
-
-def _print_run(
-    args: argparse.Namespace, out: Path, loaded: results.Results, kpis: dict[str, Any]
-) -> None:
-    if args.json:
-        print(json.dumps({"out": str(out), "run": loaded.run, "kpis": kpis}))
-    elif not args.quiet:
-        if args.verbose:
-            for m in loaded.run["log"]:
-                print(f"{m['time']:.6g} s {m['component']} [{m['category']}] {m['message']}")
-        print(f"{out}: {len(loaded.time)} samples to t = {loaded.time[-1]:g} s")
-
-
-def _progress() -> Any:
-    """Return a progress bar with ETA on a terminal, nothing in CI."""
-    if not sys.stderr.isatty():
-        return None
-    from tqdm import tqdm
-
-    bar = tqdm(unit="step", leave=False)
-
-    def update(done: int, total: int) -> None:
-        bar.total = total
-        bar.update(done - bar.n)
-
-    return update
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a time greater than 0 s")
+    return value
 
 
 def _check(args: argparse.Namespace) -> int:
@@ -135,7 +83,7 @@ def _check(args: argparse.Namespace) -> int:
 
 def _report(args: argparse.Namespace) -> int:
     report = importlib.import_module("dct_harness.report")
-    print(report.write(args.runs, args.out, "Closed loop"))
+    print(f"report: {report.write(args.runs, args.out, 'Closed loop')}")
     return 0
 
 
@@ -158,12 +106,15 @@ def _doctor(args: argparse.Namespace) -> int:
 def main(argv: list[str] | None = None) -> int:
     """Run one verb; returns the documented exit code."""
     args = _parser().parse_args(argv)
-    verbs = {"run": _run, "check": _check, "report": _report, "doctor": _doctor}
+    verbs = {"run": run, "check": _check, "report": _report, "doctor": _doctor}
     try:
         return verbs[args.verb](args)
     except HarnessError as error:
         print(f"dct-harness: {error}", file=sys.stderr)
         return error.exit_code
+    except KeyboardInterrupt:
+        print("dct-harness: interrupted", file=sys.stderr)
+        return InterruptedRunError.exit_code
 
 
 if __name__ == "__main__":

@@ -28,10 +28,22 @@ class FmuRuntimeError(HarnessError):
     exit_code = 4
 
 
+class RunTimeoutError(HarnessError):
+    """A run took longer than it may (exit code 5)."""
+
+    exit_code = 5
+
+
 class PlatformError(HarnessError):
     """An FMU has no binary for this platform (exit code 6)."""
 
     exit_code = 6
+
+
+class InterruptedRunError(HarnessError):
+    """Someone pressed Ctrl-C (exit code 130, as a shell reports the signal)."""
+
+    exit_code = 130
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

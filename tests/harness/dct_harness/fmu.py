@@ -231,7 +231,11 @@ class Fmu:
             if slave is not None:
                 _release(slave, self._instantiated, self._stepping)
         finally:
-            shutil.rmtree(self._directory, ignore_errors=True)
+            self.remove_directory()
+
+    def remove_directory(self) -> None:
+        """Remove the unpacked archive only."""
+        shutil.rmtree(self._directory, ignore_errors=True)
 
 
 def _release(slave: Any, instantiated: bool, stepping: bool) -> None:

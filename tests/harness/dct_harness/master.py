@@ -81,6 +81,9 @@ class Run:
         self.fmus: dict[str, Fmu] = {}
         self.identities: dict[str, dict[str, str]] = {}
         self.discrete: set[str] = set()
+        self.sources: dict[str, str] = {}
+        self.times = np.zeros(0)
+        self.abort: HarnessError | None = None  # set by a signal or another thread
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
         """Run from t = 0 to stop; frees every FMU whatever happens."""
@@ -145,6 +148,8 @@ class Run:
         times, signals = self.times.tolist(), self.script.shape[1]
         last = len(times) - 1
         for k in range(last):
+            if self.abort is not None:
+                raise self._stopped(self.abort, times[k])
             t = times[k]
             h = times[k + 1] - t
             self.world[:signals] = self.script[k]
@@ -152,8 +157,17 @@ class Run:
                 self.world.take(where, out=values, mode="clip")
                 fmu.step(t, h)
             self._record(k + 1)
-            if progress is not None and (k % 100 == 0 or k + 1 == last):
+            if progress is not None and ((k + 1) % 100 == 0 or k + 1 == last):
                 progress(k + 1, last)
+
+    @staticmethod
+    def _stopped(cause: HarnessError, t: float) -> HarnessError:
+        return type(cause)(f"stopped at t = {t!r} s: {cause}")
+
+    def remove_directories(self) -> None:
+        """Remove the unpacked FMUs, for a process that ends without `execute` returning."""
+        for fmu in self.fmus.values():
+            fmu.remove_directory()
 
     def _record(self, k: int) -> None:
         row = self._samples[k]
@@ -188,6 +202,8 @@ class Run:
         log = [m for f in self.fmus.values() for m in f.log]
         return {
             "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
+            "samples": len(self.rows),
+            "reached": float(self.times[len(self.rows) - 1]) if len(self.rows) else None,
             "status": "partial" if error else "complete", "error": str(error) if error else None,
             "fmus": self.identities, "events": self.events(),
             "wiring": [{"from": s, "to": t} for t, s in self.sources.items()],

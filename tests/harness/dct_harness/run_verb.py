@@ -1,0 +1,113 @@
+"""`dct-harness run`: one closed loop, its result directory, its KPIs and the exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from . import kpi, progress, results, system, watch
+from .environment import environment
+from .errors import ConfigError, HarnessError
+from .master import Run
+
+KPI_FAILS = 1
+KPIS_JSON = "kpis.json"
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run a system file; returns 1 when a KPI misses its limit.
+
+    Raises
+    ------
+    HarnessError
+        The run did not reach its end; the samples until then are written.
+    """
+    loop, out = _prepare(args)
+    failure = _execute(loop, out, args)
+    record = save(loop, out, failure)
+    kpis = None if failure else _judge(out)
+    _say(args, out, record, kpis)
+    if failure:
+        raise failure
+    return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
+
+
+def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
+    """Return the run that the command line asks for, and its result directory."""
+    model = system.load(args.system)
+    if args.scenario:
+        model.scenario = args.scenario
+    for text in args.set:
+        model.override(text)
+    paths = {n: args.fmu_dir / c.fmu for n, c in model.components.items()}
+    if args.plant:
+        if "plant" not in paths:
+            raise ConfigError(f"--plant: {args.system} has no component 'plant'")
+        paths["plant"] = args.plant
+    return Run(model, paths), args.out or Path("target/results") / model.name
+
+
+def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | None:
+    """Run to the end; returns the error that prevented it."""
+
+    def hang(error: HarnessError) -> None:
+        save(loop, out, error)
+        print(f"dct-harness: {error}", file=sys.stderr, flush=True)
+        loop.remove_directories()
+
+    quiet = args.quiet or args.json
+    try:
+        with (
+            watch.interruptible(loop), watch.time_limit(loop, args.timeout, hang),
+            progress.choose(quiet) as shown,
+        ):  # fmt: skip
+            loop.execute(shown.update)
+    except HarnessError as error:
+        return error
+    return None
+
+
+def save(loop: Run, out: Path, failure: HarnessError | None) -> dict[str, Any]:
+    """Write the samples so far and `run.json`; returns the content of the latter.
+
+    A run that failed before its first sample writes nothing.
+    """
+    record = {**loop.summary(failure), "environment": environment()}
+    if len(loop.rows):
+        (out / KPIS_JSON).unlink(missing_ok=True)
+        results.write(out, *loop.table(), record)
+    return record
+
+
+def _judge(out: Path) -> dict[str, Any]:
+    """Compute the KPIs from what was written, and write them."""
+    loaded = results.load(out)
+    kpis = kpi.compute(loaded, loaded.run)
+    results.write_text(out / KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
+    return kpis
+
+
+def _say(
+    args: argparse.Namespace, out: Path, record: dict[str, Any], kpis: dict[str, Any] | None
+) -> None:
+    """Print what the chosen loudness shows; errors are printed by the caller."""
+    if args.verbose:
+        for m in record["log"]:
+            text = f"{m['time']:.6g} s {m['component']} [{m['category']}] {m['message']}"
+            print(text, file=sys.stderr)
+    if args.json:
+        print(json.dumps({"out": str(out), "run": record, "kpis": kpis}))
+    elif not args.quiet:
+        if kpis:
+            print(kpi.format_table(kpis if args.verbose else _whole(kpis)) + "\n")
+        if record["samples"]:
+            print(f"{out}: {record['samples']} samples to t = {record['reached']:g} s")
+
+
+def _whole(kpis: dict[str, Any]) -> dict[str, Any]:
+    """Return the KPIs without those of single phases and clutch states."""
+    rows = [r for r in kpis["rows"] if not r["scope"].startswith(("phase/", "state/"))]
+    return {**kpis, "rows": rows}

@@ -1,0 +1,62 @@
+"""What ends a run from outside: Ctrl-C and a time limit."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from .errors import InterruptedRunError, RunTimeoutError
+from .master import Run
+
+GRACE = 2.0  # s; a call into an FMU that takes longer than this past the limit hangs
+
+
+@contextmanager
+def interruptible(run: Run) -> Iterator[None]:
+    """Let Ctrl-C end `run` at its next communication point; a second one ends it at once."""
+
+    def handle(_number: int, _frame: Any) -> None:
+        signal.signal(signal.SIGINT, previous)
+        run.abort = InterruptedRunError("interrupted by Ctrl-C")
+
+    previous = signal.signal(signal.SIGINT, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+@contextmanager
+def time_limit(
+    run: Run, seconds: float | None, on_hang: Callable[[RunTimeoutError], None]
+) -> Iterator[None]:
+    """End `run` after `seconds` [s] of wall-clock time.
+
+    It ends at its next communication point. An FMU that does not return from a call would never
+    get there: `on_hang` is then called from another thread and the process exits with code 5.
+    """
+    if seconds is None:
+        yield
+        return
+    finished, limit = threading.Event(), seconds
+
+    def watch() -> None:
+        if finished.wait(limit):
+            return
+        run.abort = RunTimeoutError(f"not finished after {limit:g} s (--timeout)")
+        if not finished.wait(GRACE):
+            error = RunTimeoutError(f"an FMU does not return, {limit:g} s are over (--timeout)")
+            try:
+                on_hang(error)
+            finally:
+                os._exit(error.exit_code)
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        yield
+    finally:
+        finished.set()

@@ -1,0 +1,103 @@
+"""Builds the C fixture as an FMU, with a model description of chosen variables, and runs it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+
+HERE = Path(__file__).parent
+BINARY = "binaries/linux64/Lag.so"
+HARNESS = [sys.executable, "-m", "dct_harness.cli"]
+
+
+def variable(
+    name: str, reference: int, causality: str, start: str | None = None, kind: str = "Real"
+) -> str:
+    """Return the XML of one variable; parameters are fixed, integers and booleans discrete."""
+    value = "" if start is None else f' start="{start}"'
+    slow = "" if kind == "Real" else ' variability="discrete"'
+    how = ' variability="fixed"' if causality == "parameter" else slow
+    return (f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}"'
+            f"{how}><{kind}{value}/></ScalarVariable>")  # fmt: skip
+
+
+PARAMETERS = tuple(
+    variable(name, k, "parameter", start)
+    for k, (name, start) in enumerate((("tau", "1"), ("failAt", "1e9"), ("nanAt", "1e9"),
+                                       ("delay", "0")), 2)
+)  # fmt: skip
+LAG = (variable("u", 0, "input", "0"), variable("x", 1, "output"), *PARAMETERS)
+
+
+def description(variables: tuple[str, ...]) -> str:
+    """Return a modelDescription.xml of the lag that shows these variables."""
+    outputs = [k for k, text in enumerate(variables, 1) if 'causality="output"' in text]
+    unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
+    return (
+        '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="Lag" guid="{lag}">'
+        '<CoSimulation modelIdentifier="Lag" canHandleVariableCommunicationStepSize="true"/>'
+        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
+        f"<ModelStructure><Outputs>{unknowns}</Outputs></ModelStructure></fmiModelDescription>"
+    )
+
+
+def compile_library(out: Path) -> Path:
+    """Compile the fixture against the FMI headers of the fmpy package."""
+    headers = Path(fmpy.__file__).parent / "c-code"
+    library = out / "Lag.so"
+    sources = sorted(HERE.glob("*.c"))
+    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, "-o", library, "-lm"]
+    subprocess.run(command, check=True)
+    return library
+
+
+def write_fmu(
+    path: Path, library: Path, variables: tuple[str, ...] = LAG, member: str = BINARY
+) -> Path:
+    """Write an FMU with the library as archive member `member`."""
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", description(variables))
+        archive.write(library, member)
+    return path
+
+
+def write_system(folder: Path, stop: str = "1.0", scenario: str = "time,u\n0,2\n10,2\n") -> Path:
+    """Write a system file with the lag as plant, and its scenario."""
+    (folder / "s.csv").write_text(scenario, newline="")
+    (folder / "s.toml").write_text(
+        f'[system]\nname = "lag"\nstep = 0.001\nstop = {stop}\nscenario = "s.csv"\n'
+        '[components.plant]\nfmu = "Lag.fmu"\n'
+    )
+    return folder / "s.toml"
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """Return an environment in which temporary directories are made in `tmp` of a folder."""
+    (folder / "tmp").mkdir(exist_ok=True)
+    return {**os.environ, "TMPDIR": str(folder / "tmp")}
+
+
+def run_command(system: Path, fmus: Path, *options: str | Path) -> list[str | Path]:
+    """Return the command that runs a system into `out` beside it."""
+    return [*HARNESS, "run", system, "--fmu-dir", fmus, "--out", system.parent / "out", *options]
+
+
+def harness(*arguments: str | Path, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a process of its own; nothing may be left in `folder`/tmp."""
+    done = subprocess.run(
+        [*HARNESS, *arguments], capture_output=True, text=True, check=False,
+        env=environment(folder),
+    )  # fmt: skip
+    assert list((folder / "tmp").iterdir()) == []
+    return done
+
+
+def run(system: Path, fmus: Path, *options: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run a system into `out` beside it, in a process of its own."""
+    command = run_command(system, fmus, *options)[len(HARNESS) :]
+    return harness(*command, folder=system.parent)

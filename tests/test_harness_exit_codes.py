@@ -1,0 +1,94 @@
+"""Every documented exit code of `dct-harness`, each from a process of its own."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+from harness_fixture.lag_fmu import harness, run, write_fmu, write_system
+
+
+def test_complete_run_exits_0_and_prints_table_and_verdict(lag_dir: Path, tmp_path: Path) -> None:
+    done = run(write_system(tmp_path), lag_dir)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.endswith(
+        f"verdict: not judged\n\n{tmp_path / 'out'}: 1001 samples to t = 1 s\n"
+    )
+    assert [line[:5] for line in done.stderr.splitlines()] == [f"{k:3d} %" for k in
+                                                               range(10, 101, 10)]  # fmt: skip
+
+
+def test_quiet_run_prints_nothing_and_json_only_json(lag_dir: Path, tmp_path: Path) -> None:
+    system = write_system(tmp_path)
+    quiet = run(system, lag_dir, "--quiet")
+    assert (quiet.returncode, quiet.stdout, quiet.stderr) == (0, "", "")
+    told = run(system, lag_dir, "--json")
+    assert told.stderr == ""
+    printed = json.loads(told.stdout)
+    assert printed["run"]["samples"] == 1001
+    assert printed["kpis"] == json.loads((tmp_path / "out/kpis.json").read_text())
+
+
+def test_missed_limit_exits_1(lag_dir: Path, tmp_path: Path) -> None:
+    system = write_system(tmp_path)  # by its name the limits of the paper's case 1 apply
+    system.write_text(system.read_text().replace('"lag"', '"paper_case1"'))
+    done = run(system, lag_dir)
+    assert done.returncode == 1, done.stderr
+    assert "verdict: fail" in done.stdout
+
+
+def test_unknown_parameter_exits_2_with_a_hint(lag_dir: Path, tmp_path: Path) -> None:
+    done = run(write_system(tmp_path), lag_dir, "--set", "plant.tua=2.0")
+    assert done.returncode == 2
+    assert "Did you mean 'tau'?" in done.stderr
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "soon"])
+def test_time_limit_that_is_none_exits_2(tmp_path: Path, seconds: str) -> None:
+    done = run(write_system(tmp_path), tmp_path, f"--timeout={seconds}")
+    assert done.returncode == 2
+    assert "is not a time greater than 0 s" in done.stderr
+
+
+def test_missing_fmu_exits_2(tmp_path: Path) -> None:
+    done = run(write_system(tmp_path), tmp_path)
+    assert done.returncode == 2
+    assert "Lag.fmu: cannot read the FMU" in done.stderr
+
+
+def test_file_that_is_no_fmu_exits_3(tmp_path: Path) -> None:
+    (tmp_path / "Lag.fmu").write_text("not a ZIP archive")
+    done = run(write_system(tmp_path), tmp_path)
+    assert done.returncode == 3
+    assert "is not an FMU" in done.stderr
+
+
+def test_archive_member_that_leaves_the_archive_exits_3(tmp_path: Path, lag_library: Path) -> None:
+    path = write_fmu(tmp_path / "Lag.fmu", lag_library)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("../escaped.txt", "outside")
+    done = harness("check", path, folder=tmp_path)
+    assert done.returncode == 3
+    assert "'../escaped.txt' leaves the archive" in done.stderr
+
+
+def test_library_that_does_not_load_exits_3(tmp_path: Path) -> None:
+    broken = tmp_path / "Lag.so"
+    broken.write_bytes(b"\x7fELF no more than this")
+    done = harness("check", write_fmu(tmp_path / "Lag.fmu", broken), folder=tmp_path)
+    assert done.returncode == 3
+    assert "the library does not load" in done.stderr
+
+
+def test_failing_fmu_exits_4(lag_dir: Path, tmp_path: Path) -> None:
+    assert run(write_system(tmp_path), lag_dir, "--set", "plant.failAt=0.0").returncode == 4
+
+
+@pytest.mark.parametrize("verb", ["check", "doctor"])
+def test_fmu_of_another_platform_exits_6(tmp_path: Path, lag_library: Path, verb: str) -> None:
+    path = write_fmu(tmp_path / "Lag.fmu", lag_library, member="binaries/win64/Lag.dll")
+    done = harness(verb, path, folder=tmp_path)
+    assert done.returncode == 6
+    assert "no binary for linux64" in done.stdout + done.stderr
