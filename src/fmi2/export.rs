@@ -37,6 +37,7 @@ macro_rules! export {
                 _visible: c_int,
                 logging_on: c_int,
             ) -> *mut c_void {
+                ffi::silence_panics();
                 unsafe {
                     ffi::instantiate::<M>(&GUID, name, kind, guid, callbacks, logging_on != 0)
                 }

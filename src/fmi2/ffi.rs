@@ -49,6 +49,49 @@ struct Component<M: Model> {
     poisoned: bool,
 }
 
+/// What the importer holds a pointer to. The mark in front tells a component from an FMU state, and
+/// either from what was given back or never was ours.
+#[repr(C)]
+struct Held<T> {
+    mark: u64,
+    value: T,
+}
+
+const COMPONENT: u64 = u64::from_le_bytes(*b"fmi2comp");
+const STATE: u64 = u64::from_le_bytes(*b"fmi2stat");
+
+impl<T> Held<T> {
+    fn hand_out(mark: u64, value: T) -> *mut c_void {
+        Box::into_raw(Box::new(Self { mark, value })).cast()
+    }
+
+    /// The value behind the importer's pointer, if the mark is right.
+    unsafe fn look<'a>(pointer: *mut c_void, mark: u64) -> Option<&'a mut T> {
+        // SAFETY: the promise of this function.
+        let held = unsafe { Self::checked(pointer, mark)?.as_mut()? };
+        Some(&mut held.value)
+    }
+
+    /// Ends what `hand_out` began; the mark goes first, so a second time finds none.
+    unsafe fn take_back(pointer: *mut c_void, mark: u64) -> Option<Box<Self>> {
+        // SAFETY: the mark proves a pointer of `hand_out` that was not given back yet.
+        unsafe {
+            let held = Self::checked(pointer, mark)?;
+            (&raw mut (*held).mark).write_volatile(0);
+            Some(Box::from_raw(held))
+        }
+    }
+
+    unsafe fn checked(pointer: *mut c_void, mark: u64) -> Option<*mut Self> {
+        let held = pointer.cast::<Self>();
+        if unusable(held) {
+            return None;
+        }
+        // SAFETY: not NULL and aligned; by the importer's promise ours, and the mark comes first.
+        (unsafe { pointer.cast::<u64>().read() } == mark).then_some(held)
+    }
+}
+
 /// Brings messages to the importer's logger.
 struct Reporter {
     name: Box<CStr>,
@@ -89,8 +132,8 @@ fn enter<M: Model>(
     body: impl FnOnce(&mut Component<M>) -> Result<(), Error>,
 ) -> Status {
     // SAFETY: NULL or, by the importer's promise, a component of this library in use by this thread
-    // alone; it was made by `Box::into_raw` in `instantiate`.
-    let Some(component) = (unsafe { component.cast::<Component<M>>().as_mut() }) else {
+    // alone; it was handed out by `instantiate`.
+    let Some(component) = (unsafe { Held::<Component<M>>::look(component, COMPONENT) }) else {
         return Status::Error;
     };
     if component.poisoned {
@@ -105,8 +148,10 @@ fn enter<M: Model>(
                 .send(Category::of(status), format_args!("{call}: {error}"));
             status
         }
-        Err(_) => {
+        Err(payload) => {
             component.poisoned = true;
+            // Dropping what a model panicked with could panic again, outside the barrier.
+            core::mem::forget(payload);
             let message = format_args!("{call}: the model panicked; free this instance");
             component.reporter.send(Category::Fatal, message);
             Status::Fatal
@@ -189,7 +234,6 @@ pub unsafe fn instantiate<M: Model>(
     callbacks: *const Callbacks,
     logging_on: bool,
 ) -> *mut c_void {
-    silence_panics();
     let made = catch_unwind(|| {
         // SAFETY: NULL or, by the importer's promise, NUL-terminated strings and a callback struct.
         let (name, given_guid, callbacks) =
@@ -211,14 +255,17 @@ pub unsafe fn instantiate<M: Model>(
             ..reporter
         };
         let instance = Instance::<M>::default();
-        Box::into_raw(Box::new(Component {
+        let component = Component {
             instance,
             reporter,
             poisoned: false,
-        }))
-        .cast()
+        };
+        Held::hand_out(COMPONENT, component)
     });
-    made.unwrap_or(null_mut())
+    made.unwrap_or_else(|payload| {
+        core::mem::forget(payload);
+        null_mut()
+    })
 }
 
 fn acceptable(name: &CStr, kind: c_int, given: Option<&CStr>, guid: &str) -> Result<(), Error> {
@@ -241,8 +288,9 @@ fn acceptable(name: &CStr, kind: c_int, given: Option<&CStr>, guid: &str) -> Res
 
 /// A panic is reported through the importer's logger; nothing may reach stderr.
 ///
-/// The hook belongs to this library's own copy of `std`, not to the process.
-fn silence_panics() {
+/// Called by `export!` only: in a `cdylib` the hook belongs to the library's own copy of `std`, not
+/// to the process.
+pub fn silence_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
 }
@@ -254,10 +302,10 @@ unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
 
 /// `fmi2FreeInstance`.
 pub unsafe fn free_instance<M: Model>(component: *mut c_void) {
-    if !component.is_null() {
-        // SAFETY: made by `Box::into_raw` in `instantiate`, and given back once.
-        let component = unsafe { Box::from_raw(component.cast::<Component<M>>()) };
-        let _dropped = catch_unwind(AssertUnwindSafe(|| drop(component)));
+    // SAFETY: NULL or, by the importer's promise, handed out by `instantiate`.
+    let component = unsafe { Held::<Component<M>>::take_back(component, COMPONENT) };
+    if let Err(payload) = catch_unwind(AssertUnwindSafe(|| drop(component))) {
+        core::mem::forget(payload);
     }
 }
 
@@ -513,25 +561,26 @@ pub unsafe fn get_state<M: Model>(component: *mut c_void, state: *mut *mut c_voi
         Call::GetFMUstate,
         |instance: &mut Instance<M>, _| {
             // SAFETY: the importer's promise; `*state` is NULL or one of our states.
-            unsafe { hand_out(place("FMUstate", state)?, instance.save()?) };
-            Ok(())
+            unsafe { hand_out(place("FMUstate", state)?, instance.save()?) }
         },
     )
 }
 
-/// Puts a saved state behind an importer's pointer.
-unsafe fn hand_out<M: Model>(target: &mut *mut c_void, saved: Saved<M>) {
-    // SAFETY: NULL, or made by `Box::into_raw` below and not freed, by the importer's promise.
-    match unsafe { target.cast::<Saved<M>>().as_mut() } {
-        Some(state) => *state = saved,
-        None => *target = Box::into_raw(Box::new(saved)).cast(),
+/// Puts a saved state behind an importer's pointer: NULL, or one of our states.
+unsafe fn hand_out<M: Model>(target: &mut *mut c_void, new: Saved<M>) -> Result<(), Error> {
+    if target.is_null() {
+        *target = Held::hand_out(STATE, new);
+    } else {
+        // SAFETY: by the importer's promise one of our states that was not freed.
+        *unsafe { saved(*target)? } = new;
     }
+    Ok(())
 }
 
 /// The state behind an importer's pointer.
-unsafe fn saved<'a, M: Model>(state: *mut c_void) -> Result<&'a Saved<M>, Error> {
+unsafe fn saved<'a, M: Model>(state: *mut c_void) -> Result<&'a mut Saved<M>, Error> {
     // SAFETY: NULL, or one of our states that was not freed, by the importer's promise.
-    unsafe { state.cast::<Saved<M>>().as_ref() }.ok_or(Error::Pointer("FMUstate"))
+    unsafe { Held::look(state, STATE) }.ok_or(Error::Pointer("FMUstate"))
 }
 
 /// `fmi2SetFMUstate`.
@@ -554,10 +603,12 @@ pub unsafe fn free_state<M: Model>(component: *mut c_void, state: *mut *mut c_vo
         |instance: &mut Instance<M>, _| {
             instance.permit(Call::FreeFMUstate)?;
             // SAFETY: the importer's promise.
-            let state = core::mem::replace(unsafe { place("FMUstate", state)? }, null_mut());
+            let state = unsafe { place("FMUstate", state)? };
             if !state.is_null() {
-                // SAFETY: made by `Box::into_raw` in `hand_out`, and given back once.
-                drop(unsafe { Box::from_raw(state.cast::<Saved<M>>()) });
+                // SAFETY: by the importer's promise handed out by `hand_out`.
+                let held = unsafe { Held::<Saved<M>>::take_back(*state, STATE) };
+                drop(held.ok_or(Error::Pointer("FMUstate"))?);
+                *state = null_mut();
             }
             Ok(())
         },
@@ -619,7 +670,9 @@ pub unsafe fn deserialize_state<M: Model>(
         // SAFETY: the importer's promise.
         let saved = Saved::<M>::from_bytes(unsafe { slice("serializedState", bytes, size)? })?;
         // SAFETY: the importer's promise.
-        unsafe { hand_out(place("FMUstate", state)?, saved) };
-        Ok(())
+        unsafe { hand_out(place("FMUstate", state)?, saved) }
     })
 }
+
+#[cfg(test)]
+mod tests;

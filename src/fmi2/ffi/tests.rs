@@ -1,0 +1,255 @@
+//! What an importer sees at the C boundary, on a model that can be made to panic.
+
+use super::*;
+use crate::{Experiment, Failure, StateFields, Unit, Variable};
+use core::cell::RefCell;
+use core::ptr::null;
+
+/// x grows by `u` per second; u above 100 makes it panic, which the table does not know.
+#[derive(Clone, Default)]
+struct Fuse {
+    u: f64,
+    x: f64,
+}
+
+impl Model for Fuse {
+    const NAME: &'static str = "Fuse";
+    const DESCRIPTION: &'static str = "A fuse";
+    const EXPERIMENT: Experiment = Experiment {
+        start: 0.0,
+        stop: 1.0,
+        step: 0.1,
+    };
+    const VARIABLES: &'static [Variable<Self>] = &[
+        Variable::input("u", Unit::ONE, |m: &mut Self| &mut m.u, "Input").min(0.0),
+        Variable::output("x", Unit::ONE, |m: &mut Self| &mut m.x, "Output").depends_on(&[]),
+    ];
+
+    fn initialize(&mut self, _: f64, log: &mut Log<'_>) -> Result<(), Failure> {
+        self.x = 0.0;
+        log.event(format_args!("100 % #ready#"));
+        Ok(())
+    }
+
+    fn step(&mut self, _: f64, step: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+        assert!(self.u <= 100.0, "the fuse blew");
+        self.x += step * self.u;
+        Ok(())
+    }
+
+    fn hidden_state(&mut self, _: &mut dyn StateFields) {}
+}
+
+const U: u32 = 0;
+const X: u32 = 1;
+
+/// One call of the logger: environment, status, category, format, text.
+type Line = (usize, c_int, String, String, String);
+
+thread_local! {
+    static LINES: RefCell<Vec<Line>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Stable Rust cannot define a variadic function; this one takes the argument that is passed.
+unsafe extern "C" fn listen(
+    environment: *mut c_void,
+    _: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    format: *const c_char,
+    argument: *const c_char,
+) {
+    // SAFETY: the shell passes NUL-terminated strings.
+    let text = |pointer| unsafe { text(pointer) }.unwrap().to_str().unwrap().into();
+    let (category, format) = (text(category), text(format));
+    let line = (environment.addr(), status, category, format, text(argument));
+    LINES.with_borrow_mut(|lines| lines.push(line));
+}
+
+const ENVIRONMENT: usize = 0x5a;
+
+fn instantiate_with(guid: &str, logging_on: bool) -> *mut c_void {
+    static GUID: GuidOnce = GuidOnce::new();
+    let listen: unsafe extern "C" fn(_, _, _, _, _, _) = listen;
+    // SAFETY: a C caller passes one pointer after the named ones alike, variadic or not, on every
+    // platform the tests run on.
+    let logger = unsafe { core::mem::transmute::<*const (), Logger>(listen as *const ()) };
+    let callbacks = Callbacks {
+        logger: Some(logger),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        environment: core::ptr::without_provenance_mut(ENVIRONMENT),
+    };
+    let guid = std::ffi::CString::new(guid).unwrap();
+    // SAFETY: strings end with NUL; `callbacks` dies after the call, as the contract allows.
+    unsafe {
+        instantiate::<Fuse>(
+            &GUID,
+            c"f".as_ptr(),
+            1,
+            guid.as_ptr(),
+            &callbacks,
+            logging_on,
+        )
+    }
+}
+
+fn fuse() -> *mut c_void {
+    instantiate_with(&guid::<Fuse>(), true)
+}
+
+/// A fuse at its first communication point.
+fn running() -> *mut c_void {
+    let c = fuse();
+    // SAFETY: a live component.
+    unsafe {
+        assert_eq!(setup_experiment::<Fuse>(c, 0.0, None), Status::Ok);
+        assert_eq!(enter_initialization_mode::<Fuse>(c), Status::Ok);
+        assert_eq!(exit_initialization_mode::<Fuse>(c), Status::Ok);
+    }
+    c
+}
+
+fn set_u(c: *mut c_void, u: f64) -> Status {
+    // SAFETY: a live component or one that is refused; arrays of one.
+    unsafe { set::<Fuse, f64, f64>(c, &U, 1, &u, |value| value) }
+}
+
+fn x(c: *mut c_void) -> f64 {
+    let mut x = f64::NAN;
+    // SAFETY: a live component; arrays of one.
+    let status = unsafe { get::<Fuse, f64, f64>(c, &X, 1, &mut x) };
+    assert_eq!(status, Status::Ok);
+    x
+}
+
+fn step(c: *mut c_void, time: f64) -> Status {
+    // SAFETY: a live component or one that is refused.
+    unsafe { do_step::<Fuse>(c, time, 0.1) }
+}
+
+fn free(c: *mut c_void) {
+    // SAFETY: a live component.
+    unsafe { free_instance::<Fuse>(c) }
+}
+
+fn lines() -> Vec<Line> {
+    LINES.take()
+}
+
+#[test]
+fn a_panic_is_fatal_logged_and_poisons_its_instance_alone() {
+    let (c, other) = (running(), running());
+    lines();
+    assert_eq!(set_u(c, 101.0), Status::Ok);
+    assert_eq!(step(c, 0.0), Status::Fatal);
+    let logged = lines();
+    assert_eq!(logged.len(), 1);
+    assert_eq!((logged[0].1, logged[0].2.as_str()), (4, "logStatusFatal"));
+    for _ in 0..2 {
+        assert_eq!(set_u(c, 1.0), Status::Fatal);
+        // SAFETY: a live component.
+        assert_eq!(unsafe { reset::<Fuse>(c) }, Status::Fatal);
+    }
+    assert_eq!(set_u(other, 1.0), Status::Ok);
+    assert_eq!(step(other, 0.0), Status::Ok);
+    [c, other].into_iter().for_each(free);
+}
+
+#[test]
+fn messages_are_finished_texts_with_the_importers_environment() {
+    let c = running();
+    let (environment, status, category, format, text) = lines().remove(0);
+    assert_eq!((environment, status), (ENVIRONMENT, 0));
+    assert_eq!((category.as_str(), format.as_str()), ("logEvents", "%s"));
+    assert_eq!(text, "100 %% ##ready##");
+    assert_eq!(set_u(c, -1.0), Status::Discard);
+    let (_, status, category, _, text) = lines().remove(0);
+    assert_eq!((status, category.as_str()), (2, "logStatusDiscard"));
+    assert_eq!(text, "fmi2SetReal: u = -1 is below 0");
+    free(c);
+}
+
+#[test]
+fn only_enabled_categories_are_logged() {
+    let c = running();
+    lines();
+    let names = [c"logStatusError".as_ptr()];
+    // SAFETY: a live component; one string.
+    let status = unsafe { set_debug_logging::<Fuse>(c, true, 1, names.as_ptr()) };
+    assert_eq!(status, Status::Ok);
+    assert_eq!(set_u(c, -1.0), Status::Discard);
+    assert_eq!(step(c, 7.0), Status::Error);
+    let categories: Vec<_> = lines().into_iter().map(|line| line.2).collect();
+    assert_eq!(categories, ["logStatusError"]);
+    free(c);
+}
+
+#[test]
+fn a_foreign_guid_makes_no_instance_and_says_so_even_with_logging_off() {
+    assert!(instantiate_with("{00000000-0000-0000-0000-000000000000}", false).is_null());
+    assert!(lines()[0].4.contains("GUID"));
+}
+
+#[test]
+fn null_and_foreign_pointers_are_refused() {
+    let c = running();
+    let mut state = null_mut();
+    // SAFETY: a live component; NULL and swapped pointers are what is tested, and both are live.
+    unsafe {
+        assert_eq!(step(null_mut(), 0.0), Status::Error);
+        assert_eq!(get_state::<Fuse>(c, &mut state), Status::Ok);
+        assert_eq!(step(state, 0.0), Status::Error);
+        assert_eq!(set_state::<Fuse>(c, c), Status::Error);
+        assert_eq!(set_state::<Fuse>(c, null_mut()), Status::Error);
+        let mut component = c;
+        assert_eq!(free_state::<Fuse>(c, &mut component), Status::Error);
+        assert_eq!(component, c);
+        assert_eq!(
+            set::<Fuse, f64, f64>(c, null(), 1, &1.0, |u| u),
+            Status::Error
+        );
+        assert_eq!(
+            set::<Fuse, f64, f64>(c, &U, 1, null(), |u| u),
+            Status::Error
+        );
+        assert_eq!(free_state::<Fuse>(c, &mut state), Status::Ok);
+        assert!(state.is_null());
+        assert_eq!(free_state::<Fuse>(c, &mut state), Status::Ok);
+    }
+    assert_eq!(step(c, 0.0), Status::Ok);
+    free(c);
+    free(null_mut());
+}
+
+#[test]
+fn a_state_goes_through_bytes_into_another_instance() {
+    let (c, other) = (running(), fuse());
+    assert_eq!(set_u(c, 2.0), Status::Ok);
+    assert_eq!(step(c, 0.0), Status::Ok);
+    let (mut state, mut copy, mut size) = (null_mut(), null_mut(), 0);
+    // SAFETY: live components; `bytes` has the size that was asked for.
+    unsafe {
+        assert_eq!(get_state::<Fuse>(c, &mut state), Status::Ok);
+        assert_eq!(state_size::<Fuse>(c, state, &mut size), Status::Ok);
+        let mut bytes = vec![0; size];
+        let short = serialize_state::<Fuse>(c, state, bytes.as_mut_ptr(), size - 1);
+        assert_eq!(short, Status::Error);
+        let status = serialize_state::<Fuse>(c, state, bytes.as_mut_ptr(), size);
+        assert_eq!(status, Status::Ok);
+        let status = deserialize_state::<Fuse>(other, bytes.as_ptr(), size, &mut copy);
+        assert_eq!(status, Status::Ok);
+        assert_eq!(set_state::<Fuse>(other, copy), Status::Ok);
+    }
+    for c in [c, other] {
+        assert_eq!(step(c, 0.1), Status::Ok);
+        assert_eq!(x(c).to_bits(), (0.1 * 2.0 + 0.1 * 2.0_f64).to_bits());
+    }
+    // SAFETY: live states of live components.
+    unsafe {
+        assert_eq!(free_state::<Fuse>(c, &mut state), Status::Ok);
+        assert_eq!(free_state::<Fuse>(other, &mut copy), Status::Ok);
+    }
+    [c, other].into_iter().for_each(free);
+}
