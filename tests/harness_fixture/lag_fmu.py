@@ -38,11 +38,12 @@ def description(variables: tuple[str, ...]) -> str:
     """Return a modelDescription.xml of the lag that shows these variables."""
     outputs = [k for k, text in enumerate(variables, 1) if 'causality="output"' in text]
     unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
+    structure = f"<Outputs>{unknowns}</Outputs>" if outputs else ""
     return (
         '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="Lag" guid="{lag}">'
         '<CoSimulation modelIdentifier="Lag" canHandleVariableCommunicationStepSize="true"/>'
         f"<ModelVariables>{''.join(variables)}</ModelVariables>"
-        f"<ModelStructure><Outputs>{unknowns}</Outputs></ModelStructure></fmiModelDescription>"
+        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
 
 

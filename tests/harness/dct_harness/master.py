@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from . import scenario as scenarios
-from .errors import ConfigError, FmuRuntimeError, HarnessError, did_you_mean
-from .fmu import Fmu, group_of
+from .connections import check_types, resolve, types
+from .errors import FmuRuntimeError, HarnessError
+from .fmu import Fmu
 from .system import System
 
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
@@ -27,48 +28,6 @@ def communication_points(step: float, stop: float) -> np.ndarray:
     times = np.arange(whole + 1) * step
     times[-1] = stop
     return times
-
-
-def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[str, str]:
-    """Return input -> source, both as `<component>.<variable>`; constants are left out."""
-    outputs = {f"{n}.{v.name}" for n, f in fmus.items() for v in f.outputs}
-    known = outputs | {f"scenario.{name}" for name in signals}
-    inputs = {f"{n}.{v.name}": v.name for n, f in fmus.items() for v in f.inputs}
-    for target, source in system.connections.items():
-        for end, names in ((target, inputs), (source, known)):
-            if end not in names:
-                raise ConfigError(
-                    f"{system.path}: connections: no '{end}'.{did_you_mean(end, names)}"
-                )
-    found = {}
-    for target, variable in inputs.items():
-        component = target.partition(".")[0]
-        if target in system.connections:
-            found[target] = system.connections[target]
-        elif variable not in system.components[component].parameters:
-            found[target] = _source(system, component, variable, outputs, known)
-    return found
-
-
-def _source(
-    system: System, component: str, variable: str, outputs: set[str], known: set[str]
-) -> str:
-    """Return the one equal-named output of another component, else the scenario's signal."""
-    others = (n for n in system.components if n != component)
-    equal = [f"{n}.{variable}" for n in others if f"{n}.{variable}" in outputs]
-    if len(equal) > 1:
-        raise ConfigError(
-            f"{system.path}: '{component}.{variable}' has several sources ({', '.join(equal)}); "
-            "choose one with a [[connections]] entry"
-        )
-    signal = equal[0] if equal else f"scenario.{variable}"
-    if signal not in known:
-        raise ConfigError(
-            f"{system.path}: '{component}.{variable}' has no source: add a column '{variable}' to "
-            f"{system.scenario}, a [[connections]] entry, or a value under "
-            f"components.{component}.parameters.{did_you_mean(signal, known)}"
-        )
-    return signal
 
 
 class Run:
@@ -101,8 +60,8 @@ class Run:
         script = scenarios.load(self.system.scenario)
         self.times = communication_points(self.system.step, self.system.stop)
         self.sources = resolve(self.system, self.fmus, list(script.signals))
-        typed = {f"{n}.{v.name}": group_of(v) for n, f in self.fmus.items()
-                 for v in (*f.inputs, *f.outputs)}  # fmt: skip
+        check_types(self.system, self.fmus, self.sources, script)
+        typed = types(self.fmus)
         held = {s for t, s in self.sources.items() if typed[t] != "Real"}
         used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
         self.names = [f"scenario.{s}" for s in used]

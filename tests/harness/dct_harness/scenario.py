@@ -39,6 +39,8 @@ def load(path: Path) -> Scenario:
             rows = [(k, row) for k, row in enumerate(csv.reader(file), 1) if row]
     except OSError as error:
         raise ConfigError(f"{path}: cannot read the scenario: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text") from error
     if len(rows) < 2:
         raise ConfigError(f"{path}: needs a header and at least one row")
     names = [name.strip() for name in rows[0][1]]
@@ -76,7 +78,6 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
 def _check_times(path: Path, time: np.ndarray, lines: list[int]) -> None:
     bad = np.flatnonzero(np.diff(time) <= 0)
     if bad.size:
-        k = int(bad[0]) + 1
-        raise ConfigError(
-            f"{path}:{lines[k]}: time {time[k]!r} does not increase (before it: {time[k - 1]!r})"
-        )
+        before, t = time[bad[0] : bad[0] + 2].tolist()
+        line = lines[int(bad[0]) + 1]
+        raise ConfigError(f"{path}:{line}: time {t!r} does not increase (before it: {before!r})")

@@ -1,0 +1,89 @@
+"""Which source each FMU input reads: a [[connections]] entry, an equal name, the scenario."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import ConfigError, did_you_mean
+from .fmu import Fmu, group_of
+from .scenario import Scenario
+from .system import System
+
+
+def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[str, str]:
+    """Return input -> source, both as `<component>.<variable>`; constants are left out."""
+    outputs = {f"{n}.{v.name}" for n, f in fmus.items() for v in f.outputs}
+    known = outputs | {f"scenario.{name}" for name in signals}
+    inputs = {f"{n}.{v.name}": v.name for n, f in fmus.items() for v in f.inputs}
+    for target, source in system.connections.items():
+        for end, names in ((target, inputs), (source, known)):
+            if end not in names:
+                raise ConfigError(
+                    f"{system.path}: connections: no '{end}'.{did_you_mean(end, names)}"
+                )
+    found = {}
+    for target, variable in inputs.items():
+        component = target.partition(".")[0]
+        if target in system.connections:
+            found[target] = system.connections[target]
+        elif variable not in system.components[component].parameters:
+            found[target] = _source(system, component, variable, outputs, known)
+    return found
+
+
+def _source(
+    system: System, component: str, variable: str, outputs: set[str], known: set[str]
+) -> str:
+    """Return the one equal-named output of another component, else the scenario's signal."""
+    others = (n for n in system.components if n != component)
+    equal = [f"{n}.{variable}" for n in others if f"{n}.{variable}" in outputs]
+    if len(equal) > 1:
+        raise ConfigError(
+            f"{system.path}: '{component}.{variable}' has several sources ({', '.join(equal)}); "
+            "choose one with a [[connections]] entry"
+        )
+    signal = equal[0] if equal else f"scenario.{variable}"
+    if signal not in known:
+        raise ConfigError(
+            f"{system.path}: '{component}.{variable}' has no source: add a column '{variable}' to "
+            f"{system.scenario}, a [[connections]] entry, or a value under "
+            f"components.{component}.parameters.{did_you_mean(signal, known)}"
+        )
+    return signal
+
+
+def types(fmus: dict[str, Fmu]) -> dict[str, str]:
+    """Return Real, Integer or Boolean of each input and output; enumerations are integers."""
+    return {f"{n}.{v.name}": group_of(v) for n, f in fmus.items() for v in (*f.inputs, *f.outputs)}
+
+
+def check_types(
+    system: System, fmus: dict[str, Fmu], sources: dict[str, str], script: Scenario
+) -> None:
+    """Refuse a connection that would change values: types differ, or a scenario breaks one."""
+    typed = types(fmus)
+    for target, source in sources.items():
+        component, _, name = source.partition(".")
+        if component == "scenario":
+            _check_column(script, name, target, typed[target])
+        elif typed[source] != typed[target]:
+            raise ConfigError(
+                f"{system.path}: '{source}' is {typed[source]} but '{target}' is {typed[target]}; "
+                "choose another source with a [[connections]] entry"
+            )
+
+
+def _check_column(script: Scenario, name: str, target: str, kind: str) -> None:
+    """Refuse scenario values that an integer or boolean input cannot take as they are."""
+    values = script.signals[name]
+    fits = {
+        "Real": np.ones(len(values), dtype=bool),
+        "Integer": values == np.round(values),
+        "Boolean": (values == 0) | (values == 1),
+    }[kind]
+    if not fits.all():
+        row = int(np.argmin(fits))
+        value, t = float(values[row]), float(script.time[row])
+        raise ConfigError(
+            f"{script.path}: column '{name}' is {value!r} at t = {t!r} s, but '{target}' is {kind}"
+        )

@@ -1,0 +1,72 @@
+"""Scenario files: errors with file, line, column; values between rows; results read back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dct_harness import results, scenario
+from dct_harness.errors import ConfigError
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("t,u\n0,1\n", ":1: the first column must be 'time', not 't'"),
+    ("time,u,u\n0,1,2\n", ":1: column name 'u' is empty or used twice"),
+    ("time,,u\n0,1,2\n", ":1: column name '' is empty or used twice"),
+    ("time,u\n0,1\n1,one\n", ":3: column 'u': 'one' is not a finite number"),
+    ("time,u\n0,1\n1,nan\n", ":3: column 'u': 'nan' is not a finite number"),
+    ("time,u\n0,1\n1,inf\n", ":3: column 'u': 'inf' is not a finite number"),
+    ("time,u\n0,1\n1,\n", ":3: column 'u': '' is not a finite number"),
+    ("time,u\n0,1\n1,2,3\n", ":3: has 3 cells, the header has 2"),
+    ("time,u\n0,1\n\n1;2\n", ":4: has 1 cells, the header has 2"),
+    ("time,u\n0,1\n0.5,1\n\n0.5,2\n", ":5: time 0.5 does not increase (before it: 0.5)"),
+    ("time,u\n", ": needs a header and at least one row"),
+    ("", ": needs a header and at least one row"),
+])  # fmt: skip
+def test_error_names_file_line_and_column(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "s.csv"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        scenario.load(path)
+    assert str(caught.value) == f"{path}{said}"
+
+
+def test_missing_scenario_is_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"none\.csv: cannot read the scenario: No such file"):
+        scenario.load(tmp_path / "none.csv")
+
+
+def test_scenario_that_is_no_text_is_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "s.csv"
+    path.write_bytes(b"time,u\n0,\xff\xfe\n")
+    with pytest.raises(ConfigError, match=r"s\.csv: is not UTF-8 text"):
+        scenario.load(path)
+
+
+def test_reals_are_interpolated_and_integers_held(tmp_path: Path) -> None:
+    path = tmp_path / "s.csv"
+    path.write_text("\ufefftime, u \r\n0,1\r\n1,3\r\n", encoding="utf-8", newline="")
+    script = scenario.load(path)
+    times = np.array([-1.0, 0.0, 0.5, 1.0, 2.0])
+    assert script.sample("u", times, hold=False).tolist() == [1, 1, 2, 3, 3]
+    assert script.sample("u", times, hold=True).tolist() == [1, 1, 1, 3, 3]
+
+
+def test_results_read_back_bit_for_bit(tmp_path: Path) -> None:
+    bits = np.random.default_rng(1).integers(0, 2**64, 4000, dtype=np.uint64)
+    numbers = bits.view(np.float64)
+    numbers = numbers[np.isfinite(numbers)]
+    edges = [0.1, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, 0.001 * 3]
+    table = np.resize(np.concatenate([edges, numbers]), (1000, 4))
+    results.write(tmp_path, ["time", "plant.a", "plant.b", "plant.c"], table, {"step": 0.1})
+    loaded = results.load(tmp_path)
+    back = np.column_stack([loaded[n] for n in ("time", "plant.a", "plant.b", "plant.c")])
+    assert back.tobytes() == table.tobytes()
+    assert loaded.run == {"step": 0.1}
+
+
+def test_unknown_signal_names_the_nearest(tmp_path: Path) -> None:
+    results.write(tmp_path, ["time", "plant.x"], np.zeros((1, 2)), {})
+    with pytest.raises(KeyError, match=r"Did you mean 'plant\.x'"):
+        results.load(tmp_path)["plant.y"]
