@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .errors import ConfigError, did_you_mean
-from .fmu import Fmu, group_of
+from .fmu import Fmu
 from .scenario import Scenario
 from .system import System
+from .values import group_of
 
 
 def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[str, str]:

@@ -15,7 +15,9 @@ import fmpy
 import numpy as np
 from fmpy import fmi2, read_model_description
 
+from . import values as single
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
+from .values import group_of
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 GROUPS = ("Real", "Integer", "Boolean")
@@ -41,11 +43,6 @@ def extract(path: Path) -> Path:
     except zipfile.BadZipFile as error:
         raise FmuInvalidError(f"{path}: is not an FMU (not a ZIP archive)") from error
     return directory
-
-
-def group_of(variable: Any) -> str:
-    """Return the get/set family of a variable: enumerations travel as integers."""
-    return "Integer" if variable.type == "Enumeration" else variable.type
 
 
 class Fmu:
@@ -117,18 +114,20 @@ class Fmu:
         self._call("fmi2ExitInitializationMode", self._slave.exitInitializationMode)
         self._stepping = True
 
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Return value and unit of every parameter, after initialisation."""
+        found: dict[str, dict[str, Any]] = {}
+        variables = self.description.modelVariables
+        self._call("fmi2Get (parameters)",
+                   lambda: found.update(single.parameters(self._slave, variables)))  # fmt: skip
+        return found
+
     def _set_start(self, name: str, value: Any) -> None:
         if name not in self.variables:
             hint = did_you_mean(name, self.variables)
             raise ConfigError(f"component '{self.name}': {self.path} has no '{name}'.{hint}")
         variable = self.variables[name]
-        kinds = {"Real": float, "Integer": int, "Boolean": bool, "String": str}
-        kind = kinds[group_of(variable)]
-        number = kind is float and type(value) is int
-        if type(value) is not kind and not number:
-            raise ConfigError(
-                f"component '{self.name}': '{name}' is {variable.type}, got {value!r}"
-            )
+        value = single.start_value(self.name, variable, value)
         setter = getattr(self._slave, f"set{group_of(variable)}")
         reference = [variable.valueReference]
         self._call(f"fmi2Set{group_of(variable)} ({name})", lambda: setter(reference, [value]))

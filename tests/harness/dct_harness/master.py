@@ -40,6 +40,7 @@ class Run:
         self.fmus: dict[str, Fmu] = {}
         self.identities: dict[str, dict[str, str]] = {}
         self.discrete: set[str] = set()
+        self.parameters: dict[str, dict[str, dict[str, Any]]] = {}
         self.sources: dict[str, str] = {}
         self.times = np.zeros(0)
         self.abort: HarnessError | None = None  # set by a signal or another thread
@@ -92,9 +93,10 @@ class Run:
             fmu.get_outputs()
         for _ in self.gathers:
             self._each(lambda fmu: (fmu.set_inputs(), fmu.get_outputs()))
-        for fmu in self.fmus.values():
+        for name, fmu in self.fmus.items():
             fmu.exit_initialization()
             fmu.get_outputs()
+            self.parameters[name] = fmu.parameters()
         self._record(0)
 
     def _each(self, action: Callable[[Fmu], Any]) -> None:
@@ -146,7 +148,7 @@ class Run:
     def events(self) -> list[dict[str, Any]]:
         """Return each change of an integer or enumeration output."""
         found = []
-        for name in sorted(self.discrete):
+        for name in sorted(self.discrete) if len(self.rows) else ():
             column = self.rows[:, self.names.index(name)]
             component, _, variable = name.partition(".")
             for k in np.flatnonzero(np.diff(column)) + 1:
@@ -164,7 +166,7 @@ class Run:
             "samples": len(self.rows),
             "reached": float(self.times[len(self.rows) - 1]) if len(self.rows) else None,
             "status": "partial" if error else "complete", "error": str(error) if error else None,
-            "fmus": self.identities, "events": self.events(),
+            "fmus": self.identities, "parameters": self.parameters, "events": self.events(),
             "wiring": [{"from": s, "to": t} for t, s in self.sources.items()],
             "log": sorted(log, key=lambda m: m["time"]),
             "wall_time": {n: f.wall_time for n, f in self.fmus.items()},

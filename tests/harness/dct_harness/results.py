@@ -1,9 +1,11 @@
 """Result directory: `results.csv`, `run.json`, and their loader.
 
 `run.json` holds `system` (effective system file), `step` [s], `stop` [s], `status`
-("complete" or "partial"), `error`, `fmus` (component -> path, modelName, guid, generationTool,
-sha256), `events` (list of time, component, variable, from, to), `log` (list of component,
-time, category, status, message), `wall_time` (component -> s), and `environment`.
+("complete" or "partial"), `error`, `samples`, `reached` (time of the last sample [s]), `fmus`
+(component -> path, modelName, guid, generationTool, sha256), `parameters` (component -> name ->
+value, unit, and item of an enumeration), `wiring` (list of from, to), `events` (list of time,
+component, variable, from, to), `log` (list of component, time, category, status, message),
+`wall_time` (component -> s), and `environment`.
 """
 
 from __future__ import annotations

@@ -88,7 +88,8 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
         "limits": cells.limit_rows(judged), "tags": runs.tags(views, pairs),
         "diagram": diagram.layout(largest.run), "diagram_of": largest,
         "phases": _phases(views), "kpis": KPIS,
-        "parameters": cells.parameters(views), "identities": cells.identities(views),
+        "parameters": cells.parameters(views), "effective": cells.effective(views),
+        "identities": cells.identities(views),
         "bins": downsample.BINS, "version": __version__,
     }  # fmt: skip
 

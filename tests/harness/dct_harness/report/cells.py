@@ -119,6 +119,23 @@ def parameters(views: list[View]) -> list[Json]:
     return [{"name": n, "values": [_literal(values.get(n)) for values in sets]} for n in names]
 
 
+def effective(views: list[View]) -> list[Json]:
+    """Return every parameter of every FMU with its unit; one value where all runs agree."""
+    runs = [
+        {f"{c}.{n}": p for c, part in view.run.get("parameters", {}).items()
+         for n, p in part.items()}
+        for view in views
+    ]  # fmt: skip
+    found = []
+    for name in dict.fromkeys(name for run in runs for name in run):
+        values = [_literal(run[name].get("item", run[name]["value"])) if name in run else UNDEFINED
+                  for run in runs]  # fmt: skip
+        unit = next(run[name]["unit"] for run in runs if name in run)
+        same = len(set(values)) == 1
+        found.append({"name": name, "unit": unit, "values": values[:1] if same else values})
+    return found
+
+
 def _literal(value: Any) -> str:
     if value is None:
         return UNDEFINED
