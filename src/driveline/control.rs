@@ -19,9 +19,9 @@ const MU_MIN: f64 = 0.02;
 
 /// θ_m [m] at which a slipping clutch carries `torque` [N·m], by friction `mu` [1].
 ///
-/// Between open (0) and the end of the map. No torque: fully open.
+/// Between open (0) and the end of the map. No torque, or none that is a number: fully open.
 pub fn position(clutch: &ClutchParams, torque: f64, mu: f64) -> f64 {
-    if torque <= 0.0 {
+    if torque.is_nan() || torque <= 0.0 {
         return 0.0;
     }
     clutch
@@ -43,6 +43,7 @@ mod tests {
     fn no_torque_opens_the_clutch_and_too_much_closes_it() {
         let clutch = &Params::TABLE_1.clutch[0];
         assert_eq!(position(clutch, 0.0, 0.3), 0.0);
+        assert_eq!(position(clutch, f64::NAN, 0.3), 0.0);
         assert_eq!(position(clutch, 1e6, 0.3), clutch.map.position[9]);
     }
 
