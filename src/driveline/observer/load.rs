@@ -10,6 +10,8 @@
 //!
 //! The momentum form needs no rigid drive shaft, so it stays right while the driveline oscillates. Both
 //! sides go through the same first-order filter, which turns the derivative into (E − E_f)/τ.
+//!
+//! A brake torque that is measured is kept apart: it counts at once, also while the rest is held.
 
 use crate::Params;
 use crate::observer::Sample;
@@ -37,11 +39,11 @@ const SETTLING: f64 = 3.0 * TAU;
 pub struct Load {
     /// Filtered momentum [N·m·s].
     pub momentum: f64,
-    /// Filtered g T_e [N·m].
+    /// Filtered g T_e less the brake torque [N·m].
     pub torque: f64,
     /// Time since the filter was started [s]; negative while it does not run.
     pub running: f64,
-    /// T_v found last [N·m]; meaningful when `found`.
+    /// T_v found last without the brake torque [N·m]; meaningful when `found`.
     pub t_v: f64,
     /// An engagement was long enough to find T_v.
     pub found: bool,
@@ -57,22 +59,23 @@ impl Load {
         lock: &Lock,
         h: f64,
     ) -> f64 {
-        let model = p.road.load_torque(sample.omega_w, sample.phi)
-            + sample.t_brake * p.road.direction(sample.omega_w);
+        let brake = sample.t_brake * p.road.direction(sample.omega_w);
+        let model = p.road.load_torque(sample.omega_w, sample.phi) + brake;
         if method == LoadMethod::Grade {
             return model;
         }
         match lock.alone(p, sample) {
-            Some(engaged) => self.filter(p, method, sample, engaged, h),
+            Some(engaged) => {
+                let momentum = momentum(p, method, sample, engaged);
+                self.filter(momentum, p.g(sample.gear)[engaged] * sample.t_e - brake, h);
+            }
             None => self.running = -1.0,
         }
-        if self.found { self.t_v } else { model }
+        if self.found { self.t_v + brake } else { model }
     }
 
-    fn filter(&mut self, p: &Params, method: LoadMethod, sample: &Sample, engaged: usize, h: f64) {
-        let g = p.g(sample.gear);
-        let momentum = momentum(p, method, sample, engaged);
-        let torque = g[engaged] * sample.t_e;
+    /// Takes E [N·m·s] and the torque known to act on it [N·m].
+    fn filter(&mut self, momentum: f64, torque: f64, h: f64) {
         if self.running < 0.0 {
             (self.momentum, self.torque, self.running) = (momentum, torque, 0.0);
             return;

@@ -46,6 +46,17 @@ impl Sample {
     pub fn slip(&self) -> [f64; 2] {
         self.omega_c.map(|omega_c| self.omega_e - omega_c)
     }
+
+    /// Every measurement is a number; only such a sample may enter an observer.
+    pub fn is_finite(&self) -> bool {
+        let [one, two] = self.actuation;
+        let real = [self.t_e, self.omega_e, self.omega_w, self.t_brake, self.phi];
+        let actuators = [one.position, one.pressure, two.position, two.pressure];
+        real.iter()
+            .chain(&self.omega_c)
+            .chain(&actuators)
+            .all(|value| value.is_finite())
+    }
 }
 
 /// What an observer knows of its vehicle beside [`Params`].
@@ -97,7 +108,8 @@ pub struct Estimate {
     pub innovation: [f64; 2],
     /// Clutch is taken as fully engaged, shape (2).
     pub engaged: [bool; 2],
-    /// The estimate can be used: false while a friction has been at its physical bound for long.
+    /// The estimate can be used: false while a friction has been at its physical bound for long, and
+    /// for a sample or a step that is no number.
     pub valid: bool,
 }
 
@@ -109,7 +121,8 @@ pub trait Observer {
     /// Advances by `h` [s].
     ///
     /// `sample`: speeds at the end of the step; torque, actuators, grade and brake as they acted over
-    /// it. The estimate holds for the end of the step.
+    /// it. The estimate holds for the end of the step. A sample that is not finite, or a step that is
+    /// not > 0 and finite, changes nothing: clutch torques of 0 come back, not valid.
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate;
 }
 

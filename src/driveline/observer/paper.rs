@@ -50,14 +50,18 @@ impl Gains {
 
     /// These gains, given for 1 ms, at a step `h` [s]: each follows the power of h that leads from
     /// [`Self::AT_1_KHZ`] to [`Self::AT_100_HZ`]; below 1 ms they stay.
+    ///
+    /// Beyond 10 ms what one sample corrects is held, L11 h, L22 h and L_c h²: the same powers of h
+    /// would lose stability before 20 ms.
     pub fn at_step(&self, h: f64) -> Self {
-        let decades = ComplexField::log10((h / 1e-3).max(1.0));
+        let decades = ComplexField::log10((h / 1e-3).clamp(1.0, 10.0));
+        let beyond = (1e-2 / h).min(1.0);
         let [fast, slow] = [Self::AT_1_KHZ, Self::AT_100_HZ];
         let scale = |slow: f64, fast: f64| ComplexField::powf(slow / fast, decades);
         Self {
-            l_11: self.l_11 * scale(slow.l_11, fast.l_11),
-            l_22: self.l_22 * scale(slow.l_22, fast.l_22),
-            l_c: [0, 1].map(|i| self.l_c[i] * scale(slow.l_c[i], fast.l_c[i])),
+            l_11: self.l_11 * scale(slow.l_11, fast.l_11) * beyond,
+            l_22: self.l_22 * scale(slow.l_22, fast.l_22) * beyond,
+            l_c: [0, 1].map(|i| self.l_c[i] * scale(slow.l_c[i], fast.l_c[i]) * beyond * beyond),
         }
     }
 
@@ -93,8 +97,8 @@ pub struct Paper {
     pub lock: Lock,
     /// Friction learnt while slipping.
     pub friction: Friction,
-    /// Clutch was above its touch point at the last instant, shape (2).
-    pub touching: [bool; 2],
+    /// f_n of the last instant [N/m], shape (2); 0 below the touch point.
+    pub f_n: [f64; 2],
     /// Time for which a friction has been at its bound [s].
     pub saturated: f64,
     /// g of the last sample; x1 and x2 are defined by it.
@@ -123,7 +127,7 @@ impl Default for Paper {
             },
             lock: Lock::default(),
             friction: Friction::nominal([0.0; 2]),
-            touching: [false; 2],
+            f_n: [0.0; 2],
             saturated: 0.0,
             g: [1.0; 2],
             cache: None,
@@ -161,10 +165,13 @@ impl Observer for Paper {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self {
             friction: Friction::nominal(settings.mu_n),
-            g: ratios(p, sample, [1.0; 2]),
+            g: ratios(p, sample, lowest_ratios(p)),
             ..Self::default()
         };
-        let y = self.measured(sample);
+        if !sample.is_finite() {
+            return self.refuse();
+        }
+        let y = self.measured(p, sample);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
         self.lock.step(p, sample, 0.0);
         let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
@@ -173,13 +180,16 @@ impl Observer for Paper {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
+        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+            return self.refuse();
+        }
         self.follow_gears(p, sample);
         let gains = if settings.scheduled {
             settings.gains.at_step(h)
         } else {
             settings.gains
         };
-        let model = Reduced::new(p, self.g, p.c_o);
+        let model = Reduced::referred_to(p, p.g(sample.gear), self.g[1], p.c_o);
         let levers = [0, 1].map(|i| Lever::new(p, sample, i));
         let engaged = self.lock.engaged();
         self.lock.step(p, sample, h);
@@ -194,7 +204,7 @@ impl Observer for Paper {
             + discrete.gamma_u * Vector3::new(sample.t_e, t_c[0], t_c[1])
             + discrete.gamma_delta * t_v
             + discrete.gamma_l * self.innovation;
-        self.innovation = self.measured(sample) - self.x_hat.fixed_rows::<2>(0);
+        self.innovation = self.measured(p, sample) - self.x_hat.fixed_rows::<2>(0);
         let mu_hat = [0, 1].map(|i| {
             if levers[i].f_n > 0.0 {
                 mu_f[i] / levers[i].f_n
@@ -209,12 +219,13 @@ impl Observer for Paper {
 
 impl Paper {
     /// y = (x1, x2) of (12).
-    fn measured(&self, sample: &Sample) -> Vector2<f64> {
-        let omega_c2 = if sample.gear[1] == 0 {
-            // Deviation: with the even shaft in neutral ω_c1 stands in for ω_c2.
-            sample.omega_c[0] * self.g[1] / self.g[0]
-        } else {
-            sample.omega_c[1]
+    ///
+    /// Deviation: with the even shaft in neutral ω_c1 stands in for ω_c2, and ω_w with both.
+    fn measured(&self, p: &Params, sample: &Sample) -> Vector2<f64> {
+        let omega_c2 = match p.g(sample.gear) {
+            [0.0, 0.0] => sample.omega_w * self.g[1],
+            [g1, 0.0] => sample.omega_c[0] * self.g[1] / g1,
+            _ => sample.omega_c[1],
         };
         Vector2::new(
             sample.omega_e - omega_c2,
@@ -227,7 +238,7 @@ impl Paper {
         let g = ratios(p, sample, self.g);
         if g != self.g {
             self.g = g;
-            let y = self.measured(sample);
+            let y = self.measured(p, sample);
             self.x_hat.fixed_rows_mut::<2>(0).copy_from(&y);
             self.innovation = Vector2::zeros();
         }
@@ -257,10 +268,13 @@ impl Paper {
         self.saturated = if bounded { self.saturated + h } else { 0.0 };
     }
 
-    /// ε̂ of a clutch that begins to slip: the friction learnt in its last slip, against the slip.
+    /// ε̂ of slipping clutches whose friction is known: μ̂, not ε̂, is what stays while the actuator moves.
     ///
-    /// Deviation: the paper lets (29) find it anew each time, from what it adapted at another position
-    /// or in the engaged clutch, and with the wrong sign where the slip is negative (erratum E8).
+    /// A clutch that begins to slip takes the friction learnt in its last slip, against the slip.
+    ///
+    /// Deviation: the paper takes ε̂ as slow (ε̇ ≈ 0), but f_n changes with the position, so ε̂ of a wrong
+    /// friction does too; and it lets (29) find each slip anew, from what it adapted in the engaged
+    /// clutch, with the wrong sign where the slip is negative (erratum E8).
     fn recall(
         &mut self,
         settings: &Settings,
@@ -269,14 +283,15 @@ impl Paper {
         engaged: [bool; 2],
     ) {
         for (i, slip) in sample.slip().into_iter().enumerate() {
-            let touches = levers[i].arm > 0.0;
-            let begins = touches && !self.touching[i] && slip.abs() > lock::SLIP;
-            let breaks_away = engaged[i] && touches && slip.abs() > lock::SLIP;
-            if self.friction.known(i) && (begins || breaks_away) {
+            let (before, now) = (self.f_n[i], levers[i].f_n);
+            let slips = now > 0.0 && slip.abs() > lock::SLIP && self.friction.known(i);
+            if slips && (before == 0.0 || engaged[i]) {
                 let mu = self.friction.mu[i] * slip.signum();
-                self.epsilon[i] = (mu - settings.mu_n[i]) * levers[i].f_n;
+                self.epsilon[i] = (mu - settings.mu_n[i]) * now;
+            } else if slips {
+                self.epsilon[i] *= now / before;
             }
-            self.touching[i] = touches;
+            self.f_n[i] = now;
         }
     }
 
@@ -304,6 +319,19 @@ impl Paper {
         (mu_f, [0, 1].map(|i| mu_f[i] * levers[i].arm))
     }
 
+    /// What is said of a sample that cannot be used.
+    fn refuse(&self) -> Estimate {
+        Estimate {
+            t_o: self.x_hat[2],
+            epsilon: self.epsilon,
+            friction: self.friction.mu,
+            innovation: self.innovation.into(),
+            engaged: self.lock.engaged(),
+            valid: false,
+            ..Estimate::default()
+        }
+    }
+
     fn estimate(
         &self,
         p: &Params,
@@ -328,6 +356,14 @@ impl Paper {
             valid: self.saturated < SATURATION,
         }
     }
+}
+
+/// Ratio of each shaft's lowest gear, which stands in until a shaft has had a gear; 1 without any.
+fn lowest_ratios(p: &Params) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let lowest = p.i_t[i].iter().find(|i_t| **i_t != 0.0);
+        lowest.map_or(1.0, |i_t| i_t * p.i_f[i])
+    })
 }
 
 /// g1, g2 of the gears preselected; a shaft in neutral keeps its last ratio.

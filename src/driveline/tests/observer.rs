@@ -60,21 +60,32 @@ fn actuation(scenario: &Table, time: f64) -> [Actuation; 2] {
 }
 
 /// One run of plant and observer at steps of `h` [s]; `each` sees every step.
-fn run(settings: &Settings, h: f64, mut each: impl FnMut(f64, &Output, &Estimate)) -> Score {
+fn run(settings: &Settings, h: f64, each: impl FnMut(f64, &Output, &Estimate)) -> Score {
+    run_in(settings, h, GEAR, f64::INFINITY, each)
+}
+
+/// The same with these gears preselected, until `stop` [s].
+fn run_in(
+    settings: &Settings,
+    h: f64,
+    gear: [i32; 2],
+    stop: f64,
+    mut each: impl FnMut(f64, &Output, &Estimate),
+) -> Score {
     let (p, case) = (Params::TABLE_1, Case::read("paper_compliant"));
     let input = |time: f64| Input {
         t_e: case.scenario.at("engine.torque", time),
         force: [0, 1].map(|i| p.clutch[i].force(actuation(&case.scenario, time)[i])),
-        gear: GEAR,
+        gear,
         t_brake: 0.0,
         phi: case.scenario.at("road.grade", time),
     };
-    let propagators = Propagators::new(&p, GEAR, h);
+    let propagators = Propagators::new(&p, gear, h);
     let mut plant = Plant::start(&p, &input(0.0), case.omega_e, case.v);
     let mut observer = Paper::default();
     let mut score = Score::default();
     let mut k = 0_u32;
-    let steps = case.stop / h;
+    let steps = case.stop.min(stop) / h;
     while f64::from(k) < steps - 0.5 {
         let time = f64::from(k) * h;
         let u = input(time);
@@ -229,4 +240,145 @@ fn friction_is_learnt_while_slipping_and_kept_while_engaged() {
             },
         );
     }
+}
+
+/// From 0.1 ms to 20 ms, with the gains that follow the step. Limits widen with the step: a sample held
+/// for longer corrects less.
+#[test]
+fn every_step_from_0_1_to_20_ms_gives_usable_estimates() {
+    for (h, limits) in [
+        (1e-4, [12.0, 14.0, 3.0]),
+        (2e-3, [12.0, 14.0, 4.0]),
+        (1e-2, [12.0, 14.0, 7.0]),
+        (2e-2, [16.0, 19.0, 12.0]),
+    ] {
+        for mu_n in [CASE_1, CASE_2] {
+            check(&settings(mu_n, LoadMethod::Momentum), h, limits);
+        }
+    }
+}
+
+#[test]
+fn a_launch_with_the_even_shaft_in_neutral_is_followed_as_well() {
+    const DRIVE_IN_FIRST: f64 = 8.0;
+    let error = |gear| {
+        run_in(
+            &settings(CASE_1, LoadMethod::Momentum),
+            1e-3,
+            gear,
+            DRIVE_IN_FIRST,
+            |_, _, _| {},
+        )
+        .percent()
+    };
+    let (both, neutral) = (error([1, 2]), error([1, 0]));
+    println!("{both:.2?} with a gear on the even shaft, {neutral:.2?} in neutral");
+    assert!(
+        [0, 2].iter().all(|i| neutral[*i] < 1.5 * both[*i]),
+        "{neutral:?}"
+    );
+}
+
+fn steady() -> Sample {
+    Sample {
+        t_e: 50.0,
+        omega_e: 150.0,
+        omega_c: [144.0, 92.16],
+        omega_w: 8.0,
+        actuation: [4e-3, 0.0].map(|position| Actuation {
+            position,
+            pressure: 0.0,
+        }),
+        gear: GEAR,
+        ..Sample::default()
+    }
+}
+
+#[test]
+fn nothing_that_is_no_number_gets_in() {
+    let (p, s, good) = (
+        Params::TABLE_1,
+        settings(CASE_1, LoadMethod::Momentum),
+        steady(),
+    );
+    let mut observer = Paper::default();
+    observer.start(&p, &s, &good);
+    observer.step(&p, &s, &good, 1e-3);
+    let before = observer;
+    let mut refuse = |sample: &Sample, h: f64| {
+        assert!(!observer.step(&p, &s, sample, h).valid);
+        assert_eq!(observer, before);
+    };
+    let spoils: [fn(&mut Sample, f64); 8] = [
+        |sample, x| sample.t_e = x,
+        |sample, x| sample.omega_e = x,
+        |sample, x| sample.omega_c[1] = x,
+        |sample, x| sample.omega_w = x,
+        |sample, x| sample.actuation[0].position = x,
+        |sample, x| sample.actuation[1].pressure = x,
+        |sample, x| sample.t_brake = x,
+        |sample, x| sample.phi = x,
+    ];
+    for (spoil, x) in spoils.iter().zip([f64::NAN, f64::INFINITY].iter().cycle()) {
+        let mut bad = good;
+        spoil(&mut bad, *x);
+        refuse(&bad, 1e-3);
+    }
+    for h in [f64::NAN, f64::INFINITY, 0.0, -1e-3] {
+        refuse(&good, h);
+    }
+    assert!(observer.step(&p, &s, &good, 1e-3).valid);
+}
+
+#[test]
+fn a_start_that_is_no_number_is_made_up_for_by_the_first_sample() {
+    let (p, s, good) = (
+        Params::TABLE_1,
+        settings(CASE_1, LoadMethod::Momentum),
+        steady(),
+    );
+    let mut observer = Paper::default();
+    let bad = Sample {
+        omega_e: f64::NAN,
+        ..good
+    };
+    assert!(!observer.start(&p, &s, &bad).valid);
+    let estimate = observer.step(&p, &s, &good, 1e-3);
+    assert!(estimate.valid && estimate.t_o.is_finite());
+}
+
+/// A brake acts at once, whatever the load that is held.
+#[test]
+fn brake_torque_counts_while_the_load_is_held() {
+    const BRAKE: f64 = 300.0;
+    let (p, s) = (Params::TABLE_1, settings(CASE_1, LoadMethod::Momentum));
+    let engaged = Sample {
+        omega_e: 144.0,
+        actuation: [9e-3, 0.0].map(|position| Actuation {
+            position,
+            pressure: 0.0,
+        }),
+        ..steady()
+    };
+    let open = Sample {
+        actuation: [Actuation::default(); 2],
+        ..engaged
+    };
+    let mut observer = Paper::default();
+    observer.start(&p, &s, &engaged);
+    for _ in 0..1000 {
+        observer.step(&p, &s, &engaged, 1e-3);
+    }
+    let held = observer.step(&p, &s, &open, 1e-3).t_v;
+    // Steady speeds: the load is what the engine puts on the wheels.
+    assert!((held - 18.0 * 50.0).abs() < 1e-6, "{held}");
+    let braked = Sample {
+        t_brake: BRAKE,
+        ..open
+    };
+    let rise = observer.step(&p, &s, &braked, 1e-3).t_v - held;
+    assert!(
+        (rise - BRAKE * p.road.direction(braked.omega_w)).abs() < 1e-9,
+        "{rise}"
+    );
 }
