@@ -4,6 +4,7 @@ use super::Report;
 use super::native::{Binary, Instance, Refused, Transition, take_messages};
 use super::parsed::{Description, Kind, ScalarVariable};
 use crate::Result;
+use std::fmt;
 use std::path::Path;
 
 pub(super) fn check(
@@ -71,17 +72,18 @@ fn check_instances(
         );
         return Ok(());
     };
-    check_life(&instance, description, report)?;
+    check_life(&instance, description, "", report)?;
     if accepted(instance.call(Transition::Reset)?, report) {
-        check_life(&instance, description, report)?;
+        check_life(&instance, description, " after fmi2Reset", report)?;
     }
     Ok(())
 }
 
-/// From instantiated or reset to terminated.
+/// From instantiated or reset to terminated; `stage` tells which in findings.
 fn check_life(
     instance: &Instance<'_>,
     description: &Description,
+    stage: &str,
     report: &mut Report,
 ) -> Result<()> {
     if !accepted(instance.setup_experiment(0.0)?, report)
@@ -91,7 +93,7 @@ fn check_life(
     }
     report.compared = 0;
     for variable in description.variables() {
-        check_start(instance, variable, report)?;
+        check_start(instance, variable, stage, report)?;
     }
     if accepted(instance.call(Transition::ExitInitializationMode)?, report) {
         accepted(instance.call(Transition::Terminate)?, report);
@@ -102,6 +104,7 @@ fn check_life(
 fn check_start(
     instance: &Instance<'_>,
     variable: &ScalarVariable,
+    stage: &str,
     report: &mut Report,
 ) -> Result<()> {
     let Some((kind, attributes)) = variable.kind() else {
@@ -122,16 +125,13 @@ fn check_start(
     report.compared += 1;
     if !read.equals(start) {
         let name = &variable.name;
-        report.error(
-            "2.2.7",
-            format!("{name} starts at {read:?}, the description says {start}"),
-        );
+        let text = format!("{name} starts at {read}{stage}, the description says {start}");
+        report.error("2.2.7", text);
     }
     Ok(())
 }
 
 /// A value as read from the library.
-#[derive(Debug)]
 enum Value {
     Real(f64),
     Integer(i32),
@@ -150,6 +150,17 @@ impl Value {
             Self::Integer(value) => text.trim().parse() == Ok(*value),
             Self::Boolean(value) => matches!(text.trim(), "true" | "1") == *value,
             Self::String(value) => text == value,
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Real(value) => write!(f, "{value:?}"),
+            Self::Integer(value) => write!(f, "{value}"),
+            Self::Boolean(value) => write!(f, "{value}"),
+            Self::String(value) => write!(f, "{value:?}"),
         }
     }
 }
