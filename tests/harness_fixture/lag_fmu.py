@@ -47,12 +47,12 @@ def description(variables: tuple[str, ...]) -> str:
     )
 
 
-def compile_library(out: Path) -> Path:
-    """Compile the fixture against the FMI headers of the fmpy package."""
+def compile_library(out: Path, *needs: Path) -> Path:
+    """Compile the fixture against the FMI headers of fmpy and the shared libraries `needs`."""
     headers = Path(fmpy.__file__).parent / "c-code"
     library = out / "Lag.so"
     sources = sorted(HERE.glob("*.c"))
-    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, "-o", library, "-lm"]
+    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, *needs, "-o", library, "-lm"]
     subprocess.run(command, check=True)
     return library
 
@@ -89,10 +89,10 @@ def run_command(system: Path, fmus: Path, *options: str | Path) -> list[str | Pa
 
 
 def harness(*arguments: str | Path, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line in a process of its own; nothing may be left in `folder`/tmp."""
+    """Run the command line in `folder`; nothing may be left in its `tmp`."""
     done = subprocess.run(
         [*HARNESS, *arguments], capture_output=True, text=True, check=False,
-        env=environment(folder),
+        env=environment(folder), cwd=folder,
     )  # fmt: skip
     assert list((folder / "tmp").iterdir()) == []
     return done

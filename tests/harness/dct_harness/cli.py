@@ -8,6 +8,7 @@ import math
 import sys
 from pathlib import Path
 
+from . import loader
 from .environment import environment
 from .errors import HarnessError, InterruptedRunError
 from .run_verb import run
@@ -88,19 +89,25 @@ def _report(args: argparse.Namespace) -> int:
 
 
 def _doctor(args: argparse.Namespace) -> int:
-    from .fmu import Fmu
-
     for name, text in environment().items():
         print(f"{name}: {text}")
-    worst = 0
-    for path in args.fmus:
-        try:
-            Fmu("doctor", path).close()
-            print(f"{path}: loads")
-        except HarnessError as error:
-            print(error)
-            worst = max(worst, error.exit_code)
-    return worst
+    print(f"glibc: {loader.glibc_present() or 'none'}")
+    return max((_diagnose(path) for path in args.fmus), default=0)
+
+
+def _diagnose(path: Path) -> int:
+    """Print whether an FMU loads; returns the exit code that stands for the answer."""
+    from .fmu import Fmu
+
+    try:
+        fmu = Fmu("doctor", path)
+    except HarnessError as error:
+        print(error)
+        return error.exit_code
+    needed = loader.glibc_needed(fmu.library)
+    fmu.close()
+    print(f"{path}: loads" + (f", needs glibc {needed} or newer" if needed else ""))
+    return 0
 
 
 def main(argv: list[str] | None = None) -> int:

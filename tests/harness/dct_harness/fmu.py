@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import os
 import shutil
 import tempfile
 import time
@@ -17,6 +18,7 @@ from fmpy import fmi2, read_model_description
 
 from . import values as single
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
+from .loader import explain
 from .values import group_of
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -78,13 +80,27 @@ class Fmu:
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.inputs = self._ordered("input")
         self.outputs = self._ordered("output")
+        self._slave = self._load(identifier)
+
+    @property
+    def library(self) -> Path:
+        """Shared library of this platform, unpacked."""
+        name = self.description.coSimulation.modelIdentifier + fmpy.sharedLibraryExtension
+        return self._directory / "binaries" / fmpy.platform / name
+
+    def _load(self, identifier: str) -> Any:
+        """Load the library; fmpy changes the working directory meanwhile."""
+        here = Path.cwd()
         try:
-            self._slave = fmi2.FMU2Slave(
+            return fmi2.FMU2Slave(
                 guid=self.description.guid, unzipDirectory=str(self._directory),
                 modelIdentifier=identifier, instanceName=self.name,
             )  # fmt: skip
         except Exception as error:
-            raise FmuInvalidError(f"{self.path}: the library does not load: {error}") from error
+            why = explain(self.library, str(error)) if self.library.is_file() else str(error)
+            raise FmuInvalidError(f"{self.path}: the library does not load: {why}") from error
+        finally:
+            os.chdir(here)
 
     def _ordered(self, causality: str) -> list[Any]:
         """Return variables of a causality, reals first, then integers, then booleans."""

@@ -17,7 +17,13 @@ GRACE = 2.0  # s; a call into an FMU that takes longer than this past the limit 
 
 @contextmanager
 def interruptible(run: Run) -> Iterator[None]:
-    """Let Ctrl-C end `run` at its next communication point; a second one ends it at once."""
+    """Let Ctrl-C end `run` at its next communication point; a second one ends it at once.
+
+    Only a process's main thread may do so; elsewhere Ctrl-C does what it did before.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
 
     def handle(_number: int, _frame: Any) -> None:
         signal.signal(signal.SIGINT, previous)

@@ -1,0 +1,54 @@
+"""Why a shared library does not load: what it needs of the machine, what the machine has."""
+
+from __future__ import annotations
+
+import platform
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+LDD_SECONDS = 10.0
+GLIBC = re.compile(rb"\0GLIBC_(\d+(?:\.\d+)+)(?=\0)")
+# What ldd prints ("libx.so.1 => not found") and what dlopen says ("libx.so.1: cannot open …").
+MISSING = (re.compile(r"^\s*(\S+) => not found", re.MULTILINE),
+           re.compile(r"(\S+): cannot open shared object file"))  # fmt: skip
+
+
+def _version(text: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in text.split("."))
+
+
+def glibc_needed(library: Path) -> str | None:
+    """Return the newest glibc version that a library asks for; None if it asks for none."""
+    found = {match.decode() for match in GLIBC.findall(library.read_bytes())}
+    return max(found, key=_version, default=None)
+
+
+def glibc_present() -> str | None:
+    """Return the glibc version of this machine; None where there is another C library."""
+    name, version = platform.libc_ver()
+    return version if name == "glibc" else None
+
+
+def missing_libraries(library: Path, message: str) -> list[str]:
+    """Return the shared libraries that are not found, by `ldd` and the loader's `message`."""
+    text = message
+    if shutil.which("ldd"):
+        done = subprocess.run(
+            ["ldd", library], capture_output=True, text=True, check=False, timeout=LDD_SECONDS
+        )
+        text += "\n" + done.stdout
+    names = (Path(name).name for pattern in MISSING for name in pattern.findall(text))
+    return sorted(set(names) - {library.name})
+
+
+def explain(library: Path, message: str) -> str:
+    """Return the cause of a failed load as a sentence; the loader's own message if unknown."""
+    missing = missing_libraries(library, message)
+    if missing:
+        return f"{', '.join(missing)} not found on this machine"
+    needed, present = glibc_needed(library), glibc_present()
+    if needed and present and _version(needed) > _version(present):
+        return f"it needs glibc {needed}, this machine has {present}"
+    return message
