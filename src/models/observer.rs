@@ -145,7 +145,7 @@ impl Model for Observer {
             load,
             lock,
             friction,
-            touching,
+            f_n,
             saturated,
             g,
             ..
@@ -166,9 +166,7 @@ impl Model for Observer {
         for values in [&mut friction.mu, &mut friction.slipping, &mut friction.seen] {
             fields.reals(values);
         }
-        touching
-            .iter_mut()
-            .for_each(|touches| fields.boolean(touches));
+        fields.reals(f_n);
         fields.real(saturated);
         fields.reals(g);
     }
