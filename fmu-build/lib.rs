@@ -8,6 +8,8 @@
 //! Everything written is a function of the models alone: no date, no random GUID, no path of the
 //! machine. Two builds give the same bytes.
 
+#![deny(unsafe_code)]
+
 mod archive;
 mod check;
 mod description;

@@ -1,5 +1,7 @@
 //! The command `fmu-build` (`cargo fmu`): describe, build and check FMUs.
 
+#![forbid(unsafe_code)]
+
 use clap::{Parser, Subcommand};
 use std::io::{self, Write as _};
 use std::path::PathBuf;
