@@ -8,11 +8,12 @@ signals are those of row k.
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from dct_harness import results
+from dct_harness import kpi, results
 from fmu_instance import Instance
 from harness_fixture.lag_fmu import run
 
@@ -115,3 +116,9 @@ def test_events_are_the_changes_of_the_state_columns(loop: results.Results) -> N
     events = [(e["time"], e["variable"], e["from"], e["to"]) for e in loop.run["events"]]
     assert sorted(events) == sorted(expected)
     assert {(2, 3), (1, 2)} <= {(e[2], e[3]) for e in events}
+
+
+def test_kpis_of_the_run_are_those_of_its_files(loop: results.Results) -> None:
+    stored = json.loads((loop.path / "kpis.json").read_text(encoding="utf-8"))
+    assert stored["rows"]
+    assert stored == kpi.compute(loop, loop.run)

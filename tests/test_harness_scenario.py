@@ -70,3 +70,11 @@ def test_unknown_signal_names_the_nearest(tmp_path: Path) -> None:
     results.write(tmp_path, ["time", "plant.x"], np.zeros((1, 2)), {})
     with pytest.raises(KeyError, match=r"Did you mean 'plant\.x'"):
         results.load(tmp_path)["plant.y"]
+
+
+def test_damaged_results_are_a_sentence(tmp_path: Path) -> None:
+    results.write(tmp_path, ["time", "plant.x"], np.zeros((2, 2)), {})
+    path = tmp_path / "results.csv"
+    path.write_text(path.read_text() + "0.1,oops\n")
+    with pytest.raises(ConfigError, match=r"results\.csv: could not convert string 'oops'"):
+        results.load(tmp_path)

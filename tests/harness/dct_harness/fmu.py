@@ -9,6 +9,7 @@ import shutil
 import tempfile
 import time
 import zipfile
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -56,6 +57,7 @@ class Fmu:
         self.wall_time = 0.0
         self.now = 0.0
         self._slave: Any = None
+        self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
         self._instantiated = False
         self._stepping = False
         self._directory = extract(path)
@@ -154,14 +156,18 @@ class Fmu:
         `inputs` has shape (len(self.inputs),), `outputs` shape (len(self.outputs),); both
         must be contiguous and stay alive.
         """
+        self._component = ctypes.c_void_p(self._slave.component)
         self._setters = self._transfers("Set", self.inputs, inputs)
         self._getters = self._transfers("Get", self.outputs, outputs)
-        self._do_step = self._slave.dll["fmi2DoStep"]
-        self._do_step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int]
-        self._component = ctypes.c_void_p(self._slave.component)
+        self._t, self._h = ctypes.c_double(), ctypes.c_double()
+        function = self._slave.dll["fmi2DoStep"]
+        self._do_step = partial(function, self._component, self._t, self._h, ctypes.c_int(1))
 
     def _transfers(self, verb: str, variables: list[Any], values: np.ndarray) -> list[tuple]:
-        """Return per type: function, references, count, pointer, narrow buffer, float view."""
+        """Return per type: the call, the narrow buffer it uses or None, the float view.
+
+        Arguments are made once, as the C types they have; ctypes then converts nothing per call.
+        """
         transfers, first = [], 0
         for group in GROUPS:
             members = [v for v in variables if group_of(v) == group]
@@ -169,32 +175,33 @@ class Fmu:
             first += len(members)
             if not members:
                 continue
-            references = (ctypes.c_uint * len(members))(*(v.valueReference for v in members))
             narrow = None if group == "Real" else np.zeros(len(members), dtype=np.int32)
             target = view if narrow is None else narrow
-            function = self._slave.dll[f"fmi2{verb}{group}"]
-            function.argtypes = [
-                ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
-            ]  # fmt: skip
-            pointer = ctypes.c_void_p(target.ctypes.data)
-            transfers.append((function, references, len(members), pointer, narrow, view))
+            references = np.array([v.valueReference for v in members], dtype=np.uint32)
+            self._alive.append(references)
+            call = partial(
+                self._slave.dll[f"fmi2{verb}{group}"], self._component,
+                ctypes.c_void_p(references.ctypes.data), ctypes.c_size_t(len(members)),
+                ctypes.c_void_p(target.ctypes.data),
+            )  # fmt: skip
+            transfers.append((call, narrow, view))
         return transfers
 
     def set_inputs(self) -> None:
         """Write the bound input buffer to the FMU."""
-        for function, references, count, pointer, narrow, view in self._setters:
+        for call, narrow, view in self._setters:
             if narrow is not None:
                 narrow[:] = view
-            status = function(self._component, references, count, pointer)
+            status = call()
             if status > 1:
-                self._fail(function.__name__, status)
+                self._fail(call.func.__name__, status)
 
     def get_outputs(self) -> None:
         """Read the FMU's outputs into the bound output buffer."""
-        for function, references, count, pointer, narrow, view in self._getters:
-            status = function(self._component, references, count, pointer)
+        for call, narrow, view in self._getters:
+            status = call()
             if status > 1:
-                self._fail(function.__name__, status)
+                self._fail(call.func.__name__, status)
             if narrow is not None:
                 view[:] = narrow
 
@@ -203,7 +210,8 @@ class Fmu:
         self.now = t
         started = time.perf_counter()
         self.set_inputs()
-        status = self._do_step(self._component, t, h, 1)
+        self._t.value, self._h.value = t, h
+        status = self._do_step()
         if status > 1:
             self._fail("fmi2DoStep", status)
         self.get_outputs()

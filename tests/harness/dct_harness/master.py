@@ -72,7 +72,8 @@ class Run:
             self.script[:, k] = script.sample(signal, self.times, hold)
         self.names += [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
         self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
-        self.world = np.zeros(len(self.names))
+        self.world, self._zeros = np.zeros((2, len(self.names)))
+        self._scripted = self.world[: len(used)]
         self._samples = np.zeros((len(self.times), len(self.names)))
 
     def _initialize(self) -> None:
@@ -88,7 +89,7 @@ class Run:
             fmu.bind(values, self.world[first : first + len(fmu.outputs)])
             first += len(fmu.outputs)
             self.gathers.append((fmu, np.array(where, dtype=np.intp), values))
-        self.world[: self.script.shape[1]] = self.script[0]
+        self._scripted[:] = self.script[0]
         for fmu, _, _ in self.gathers:
             fmu.get_outputs()
         for _ in self.gathers:
@@ -106,14 +107,13 @@ class Run:
 
     def _loop(self, progress: Callable[[int, int], None] | None) -> None:
         """Step all components; scenario inputs are those at the start of the step."""
-        times, signals = self.times.tolist(), self.script.shape[1]
+        times = self.times.tolist()
         last = len(times) - 1
         for k in range(last):
             if self.abort is not None:
                 raise self._stopped(self.abort, times[k])
             t = times[k]
             h = times[k + 1] - t
-            self.world[:signals] = self.script[k]
             for fmu, where, values in self.gathers:
                 self.world.take(where, out=values, mode="clip")
                 fmu.step(t, h)
@@ -131,14 +131,14 @@ class Run:
             fmu.remove_directory()
 
     def _record(self, k: int) -> None:
+        """Bring the scenario to communication point `k` and keep all signals."""
+        self._scripted[:] = self.script[k]
         row = self._samples[k]
         row[:] = self.world
-        row[: self.script.shape[1]] = self.script[k]
-        if not math.isfinite(row.sum()):
-            bad = np.flatnonzero(~np.isfinite(row))
-            if bad.size:
-                name, value = self.names[bad[0]], row[bad[0]]
-                raise FmuRuntimeError(f"{name} is {value} at t = {self.times[k]!r} s")
+        if not math.isfinite(self._zeros.dot(row)):  # 0 · NaN and 0 · inf are NaN
+            bad = int(np.argmin(np.isfinite(row)))
+            name, value = self.names[bad], float(row[bad])
+            raise FmuRuntimeError(f"{name} is {value} at t = {float(self.times[k])!r} s")
         self.rows = self._samples[: k + 1]
 
     def table(self) -> tuple[list[str], np.ndarray]:

@@ -10,7 +10,6 @@ component, variable, from, to), `log` (list of component, time, category, status
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 from dataclasses import dataclass
@@ -74,16 +73,23 @@ def load(directory: str | Path) -> Results:
     Raises
     ------
     ConfigError
-        The directory holds no complete pair of `results.csv` and `run.json`.
+        The directory holds no complete pair of `results.csv` and `run.json`, or a damaged one.
     """
     directory = Path(directory)
     for name in (RESULTS_CSV, RUN_JSON):
         if not (directory / name).is_file():
             raise ConfigError(f"{directory}: no {name}; make it with `dct-harness run`")
-    with (directory / RESULTS_CSV).open(encoding="utf-8", newline="") as file:
-        reader = csv.reader(file)
-        names = next(reader)
-        table = np.array([[float(cell) for cell in row] for row in reader])
-    table = table.reshape(-1, len(names))
+    with (directory / RESULTS_CSV).open(encoding="utf-8") as file:
+        names = file.readline().rstrip("\n").split(",")
+        try:
+            table = np.loadtxt(file, delimiter=",", comments=None, ndmin=2)
+        except ValueError as error:
+            raise ConfigError(f"{directory / RESULTS_CSV}: {error}") from error
     run = json.loads((directory / RUN_JSON).read_text(encoding="utf-8"))
-    return Results({n: table[:, k].copy() for k, n in enumerate(names)}, run, directory)
+    return from_table(names, table, run, directory)
+
+
+def from_table(names: list[str], rows: np.ndarray, run: dict[str, Any], directory: Path) -> Results:
+    """Return results whose `rows` have shape (samples, len(names))."""
+    columns = np.ascontiguousarray(rows.T)
+    return Results(dict(zip(names, columns, strict=True)), run, directory)

@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     loop, out = _prepare(args)
     failure = _execute(loop, out, args)
     record = save(loop, out, failure)
-    kpis = None if failure else _judge(out)
+    kpis = None if failure else _judge(loop, record, out)
     _say(args, out, record, kpis)
     if failure:
         raise failure
@@ -82,10 +82,9 @@ def save(loop: Run, out: Path, failure: HarnessError | None) -> dict[str, Any]:
     return record
 
 
-def _judge(out: Path) -> dict[str, Any]:
-    """Compute the KPIs from what was written, and write them."""
-    loaded = results.load(out)
-    kpis = kpi.compute(loaded, loaded.run)
+def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
+    """Compute the KPIs and write them."""
+    kpis = kpi.compute(results.from_table(*loop.table(), record, out), record)
     results.write_text(out / KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
     return kpis
 
