@@ -81,7 +81,7 @@ impl<'a> Log<'a> {
         Self { sink }
     }
 
-    /// Something that happened in the model, e.g. a clutch that locked up.
+    /// Something that happened in the model, e.g. a valve that opened.
     pub fn event(&mut self, message: fmt::Arguments<'_>) {
         (self.sink)(Category::Event, message);
     }
@@ -116,7 +116,7 @@ pub enum Failure {
         variable: &'static str,
         /// Its value.
         value: f64,
-        /// What is wrong and what would be right, e.g. `must be above clutch1.map.position[1]`.
+        /// What is wrong and what would be right, e.g. `must be above valve1.map.position[1]`.
         remedy: &'static str,
     },
     /// The solution became unusable (not finite). fmi2Error.

@@ -79,7 +79,7 @@ impl Unit {
     );
     /// Force.
     pub const NEWTON: Self = Self::new("N", [1, 1, -2, 0, 0, 0, 0, 0], &[display("kN", 1e-3)]);
-    /// Force per length, e.g. the adapted friction coefficient of a clutch, mu·f.
+    /// Force per length, e.g. stiffness.
     pub const NEWTON_PER_METRE: Self =
         Self::new("N/m", [1, 0, -2, 0, 0, 0, 0, 0], &[display("N/mm", 1e-3)]);
     /// Torque.

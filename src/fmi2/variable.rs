@@ -52,7 +52,7 @@ impl<M> Access<M> {
 /// An enumeration type of the model description.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Enumeration {
-    /// Type name, e.g. `ClutchState`.
+    /// Type name, e.g. `ValveState`.
     pub name: &'static str,
     /// What it tells.
     pub description: &'static str,
@@ -63,7 +63,7 @@ pub struct Enumeration {
 /// One value of an [`Enumeration`].
 #[derive(Debug, PartialEq, Eq)]
 pub struct Item {
-    /// Name, e.g. `slipping`.
+    /// Name, e.g. `opening`.
     pub name: &'static str,
     /// Value at the ABI.
     pub value: i32,
@@ -108,7 +108,7 @@ pub enum Initial {
 
 /// A row of the table: name, roles, unit, limits, dependencies, and where the value lives.
 pub struct Variable<M: 'static> {
-    /// Structured name, e.g. `clutch1.position`.
+    /// Structured name, e.g. `valve1.position`.
     pub name: &'static str,
     /// One sentence with the symbol and equation number.
     pub description: &'static str,
