@@ -13,6 +13,7 @@ mod observer;
 mod plant;
 pub mod ports;
 mod rows;
+mod step;
 mod vehicle;
 
 pub use clutch_control::ClutchControl;

@@ -5,6 +5,7 @@
 
 mod table;
 
+use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps, invalid};
 use dct_driveline::Params;
 use dct_driveline::observer::{
@@ -108,12 +109,7 @@ impl Model for Observer {
     }
 
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
-        if step > table::LONGEST_STEP {
-            return Err(Failure::StepTooLong {
-                step,
-                longest: table::LONGEST_STEP,
-            });
-        }
+        check_step(step, table::LONGEST_STEP)?;
         self.take_settings();
         let (valid, engaged) = (self.y.valid, self.y.engaged);
         self.y = self.state.step(&self.p, &self.settings, &self.u, step);

@@ -7,6 +7,7 @@
 mod propagation;
 mod table;
 
+use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::params::Actuation;
@@ -195,12 +196,7 @@ impl Model for Plant {
     }
 
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
-        if step > table::LONGEST_STEP {
-            return Err(Failure::StepTooLong {
-                step,
-                longest: table::LONGEST_STEP,
-            });
-        }
+        check_step(step, table::LONGEST_STEP)?;
         self.change_gears(time, log);
         let input = self.input();
         let rate = self.rate(&input, step);
