@@ -32,9 +32,10 @@ def test_quiet_run_prints_nothing_and_json_only_json(lag_dir: Path, tmp_path: Pa
 
 
 def test_missed_limit_exits_1(lag_dir: Path, tmp_path: Path) -> None:
-    system = write_system(tmp_path)  # by its name the limits of the paper's case 1 apply
-    system.write_text(system.read_text().replace('"lag"', '"paper_case1"'))
-    done = run(system, lag_dir)
+    system = write_system(tmp_path)
+    limit = 'kpi = "shift.jerkPeak"\nsignal = "vehicle.acceleration"\nmax = 10\n'
+    system.write_text(system.read_text() + f"[[kpis]]\n{limit}")
+    done = run(system, lag_dir)  # the lag has no acceleration, so the limit is not met
     assert done.returncode == 1, done.stderr
     assert "verdict: fail" in done.stdout
 

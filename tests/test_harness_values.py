@@ -24,7 +24,7 @@ def one_step(repo_root: Path, tmp_path: Path) -> Path:
     scenarios = repo_root / "examples/closed_loop/scenarios"
     system = tmp_path / "system.toml"
     text = text.replace("stop = 30.0", "stop = 0.001").replace("scenarios/", f"{scenarios}/")
-    system.write_text(text.replace("paper_case1", "one_step"), encoding="utf-8")
+    system.write_text(text.partition("[[kpis]]")[0], encoding="utf-8")
     return system
 
 

@@ -146,7 +146,8 @@ def test_feedback_ratio_divides_the_two_runs_and_meets_its_limit() -> None:
     pair = kpi.compare_feedback(tracked(2.0), tracked(-8.0))
     assert {r["signal"] for r in pair} == {"clutch1", "clutch2", "clutches"}
     assert all(r["value"] == pytest.approx(0.25, rel=ROUNDING) for r in pair)
-    run = {"system": {"name": "torque_tracking_case1"}, "step": STEP}
+    limit = {"kpi": "tracking.feedbackRatio", "signal": "clutches", "max": 0.5}
+    run = {"system": {"kpis": [limit]}}
     assert [j["pass"] for j in limits.judge(run, pair)] == [True]
     worse = kpi.compare_feedback(tracked(5.0), tracked(8.0))
     assert [j["pass"] for j in limits.judge(run, worse)] == [False]
@@ -200,17 +201,22 @@ def test_shift_lasts_from_one_drive_to_the_other() -> None:
     assert duration == pytest.approx(6.5 - 5.0 + STEP, abs=ROUNDING)
 
 
-def test_limits_hold_for_the_system_and_step_they_name() -> None:
+def test_limits_of_the_system_give_the_verdict() -> None:
     truth = np.full_like(TIME, 100.0)
     factors = {"plant": 1.0, "observer": 1.02, "observer.mapBased": 1.5}
     signals = {f"{p}.{t}": truth * f for t in TORQUES for p, f in factors.items()}
-    run = {"system": {"name": "paper_case1"}, "step": STEP}
+    percent = {"kpi": "estimation.percentOfRms", "estimate": "observer", "max": 3}
+    ratio = {"kpi": "estimation.ratio", "min": 4}
+    kpis = [{**limit, "signal": torque} for limit in (percent, ratio) for torque in TORQUES]
+    run = {"system": {"kpis": kpis}}
     loaded = Results({"time": TIME, **signals}, run)
     found = kpi.compute(loaded, run)
     assert len(found["limits"]) == 6
     assert found["verdict"] == "pass"
     assert kpi.compute(loaded, {**run, "status": "partial"})["verdict"] == "fail"
-    assert kpi.compute(loaded, {**run, "step": 0.01})["verdict"] == "not judged"
+    assert kpi.compute(loaded, {"system": {}})["verdict"] == "not judged"
+    elsewhere = {**percent, "signal": TORQUES[0], "scope": "phase/none"}  # no value, no pass
+    assert kpi.compute(loaded, {"system": {"kpis": [elsewhere]}})["verdict"] == "fail"
     signals["observer.driveShaft.torque"] = truth * 1.04  # 4 % against 3 %
     assert kpi.compute(Results({"time": TIME, **signals}, run), run)["verdict"] == "fail"
     del signals["observer.driveShaft.torque"]

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dct_harness import report, results
+from dct_harness import report, results, system
 from dct_harness.errors import ConfigError
 from dct_harness.report import cells, diagram, downsample, friction, runs
 from dct_harness.results import Results
@@ -77,6 +77,12 @@ def tracked(signals: dict[str, np.ndarray], error: float) -> None:
         signals[f"control.{clutch}.position"] = signals.pop(f"scenario.{clutch}.position")
 
 
+def limits_of(name: str) -> list[dict[str, Any]]:
+    """Return the limits of a system in examples/, none for another name."""
+    path = SCENARIOS.parent / f"{name}.toml"
+    return system.load(path).kpis if path.is_file() else []
+
+
 def run_json(name: str, title: str, step: float, control: bool | None) -> dict[str, Any]:
     """Return what `dct-harness run` would record."""
     models = {"plant": "DctPlant", "observer": "DctObserver"}
@@ -96,7 +102,8 @@ def run_json(name: str, title: str, step: float, control: bool | None) -> dict[s
                    ("control.clutch1.position", "observer")]  # fmt: skip
     return {
         "system": {"name": name, "title": title, "step": step, "stop": 30.0,
-                   "scenario": str(SCENARIOS / "positions.csv"), "components": parts},
+                   "scenario": str(SCENARIOS / "positions.csv"), "components": parts,
+                   "kpis": limits_of(name)},
         "step": step, "stop": 30.0, "status": "complete", "error": None,
         "fmus": {c: {"path": f"{m}.fmu", "modelName": m, "guid": f"{{{m}}}", "sha256": "0" * 64,
                      "generationTool": "fmu-build"} for c, m in models.items()},
@@ -186,7 +193,7 @@ def test_runs_with_and_without_feedback_are_paired(tmp_path: Path) -> None:
     assert (pair.closed.feedback, pair.opened.feedback) == (True, False)
     ratio = next(r["value"] for r in pair.rows if r["signal"] == "clutches")
     assert ratio == pytest.approx((0.05 / 1.05) / (0.4 / 1.4), rel=1e-9)
-    assert runs.overall(views, [pair]) == ("not judged", [])  # limits hold at 1 ms, not 10 ms
+    assert [limit["pass"] for limit in pair.limits] == [True]
 
 
 def test_verdict_counts_the_limits_of_runs_and_of_pairs(tmp_path: Path) -> None:

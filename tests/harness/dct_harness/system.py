@@ -12,6 +12,7 @@ from typing import Any
 import jsonschema
 
 from .errors import ConfigError, did_you_mean
+from .kpi.registry import BY_KEY
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -32,7 +33,7 @@ class Component:
 
 @dataclass
 class System:
-    """A checked system file; `step` and `stop` in s, `connections` input -> source."""
+    """A checked system file; `step`, `stop` in s, `connections` input -> source, `kpis` limits."""
 
     name: str
     title: str
@@ -42,6 +43,7 @@ class System:
     components: dict[str, Component]
     connections: dict[str, str]
     path: Path
+    kpis: list[dict[str, Any]] = field(default_factory=list)
 
     def override(self, text: str) -> None:
         """Apply one `component.variable=value` of the command line."""
@@ -61,6 +63,7 @@ class System:
             "name": self.name, "title": self.title, "step": self.step, "stop": self.stop,
             "file": str(self.path), "scenario": str(self.scenario), "components": parts,
             "connections": [{"from": s, "to": t} for t, s in self.connections.items()],
+            "kpis": self.kpis,
         }  # fmt: skip
 
 
@@ -89,11 +92,21 @@ def load(path: Path) -> System:
     for target in targets:
         if targets.count(target) > 1:
             raise ConfigError(f"{path}: connections: '{target}' has two sources; keep one")
+    _check_kpis(path, data.get("kpis", []))
     return System(
         head["name"], head.get("title", head["name"]), float(head["step"]), float(head["stop"]),
         path.parent / head["scenario"], components,
         {c["to"]: c["from"] for c in data.get("connections", [])}, path,
+        data.get("kpis", []),
     )  # fmt: skip
+
+
+def _check_kpis(path: Path, limits: list[dict[str, Any]]) -> None:
+    """Refuse a limit on a KPI that does not exist."""
+    for limit in limits:
+        if limit["kpi"] not in BY_KEY:
+            hint = did_you_mean(limit["kpi"], BY_KEY)
+            raise ConfigError(f"{path}: kpis: no KPI '{limit['kpi']}'.{hint}")
 
 
 def _rank(item: tuple[str, Any]) -> int:

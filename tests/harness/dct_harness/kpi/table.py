@@ -57,9 +57,9 @@ def other_cells(kpis: dict[str, Any]) -> list[list[str]]:
 
 
 def limit_cells(judged: list[dict[str, Any]]) -> list[list[str]]:
-    """Return KPI title, signal, value, limit, verdict of each limit."""
+    """Return KPI title, signal, scope, value, limit, verdict of each limit."""
     return [
-        [registry.BY_KEY[j["kpi"]].title, j["signal"], _with_unit(shown(j), j),
+        [registry.BY_KEY[j["kpi"]].title, j["signal"], j["scope"], _with_unit(shown(j), j),
          _with_unit(f"{j['relation']} {j['limit']:g}", j), "pass" if j["pass"] else "FAIL"]
         for j in judged
     ]  # fmt: skip
@@ -73,7 +73,7 @@ ESTIMATION_HEAD = [
     "torque", "scope", "obs RMSE", "obs max", "obs %", "map RMSE", "map max", "map %", "map/obs"
 ]  # fmt: skip
 OTHER_HEAD = ["KPI", "signal", "scope", "value", "unit"]
-LIMIT_HEAD = ["limit on", "signal", "value", "limit", "verdict"]
+LIMIT_HEAD = ["limit on", "signal", "scope", "value", "limit", "verdict"]
 
 
 def format_table(kpis: dict[str, Any]) -> str:
@@ -81,7 +81,7 @@ def format_table(kpis: dict[str, Any]) -> str:
     parts = [
         _aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1),
         _aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
-        _aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (2, 3)),
+        _aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (3, 4)),
         f"verdict: {kpis['verdict']}",
     ]
     return "\n\n".join(part for part in parts if part)

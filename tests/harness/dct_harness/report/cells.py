@@ -84,7 +84,7 @@ def limit_rows(judged: list[tuple[View, Json]]) -> list[Json]:
         {"run": view.title, "slug": view.slug, "title": registry.BY_KEY[j["kpi"]].title,
          "signal": j["signal"], "value": shown(j), "unit": "" if j["unit"] == "1" else j["unit"],
          "bound": f"{'≤' if j['relation'] == '<=' else '≥'} {j['limit']:g}",
-         "condition": j["condition"], "pass": j["pass"]}
+         "scope": scope_label(j["scope"]), "pass": j["pass"]}
         for view, j in judged
     ]  # fmt: skip
 
