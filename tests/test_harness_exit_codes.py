@@ -40,6 +40,24 @@ def test_missed_limit_exits_1(lag_dir: Path, tmp_path: Path) -> None:
     assert "verdict: fail" in done.stdout
 
 
+def test_report_exits_as_its_runs_do(lag_dir: Path, tmp_path: Path) -> None:
+    system, page = write_system(tmp_path), tmp_path / "page/index.html"
+    verdicts = []
+    for options in ((), ("--set", "plant.failAt=0.5")):
+        run(system, lag_dir, *options)
+        done = harness("report", tmp_path / "out", "--out", page.parent, folder=tmp_path)
+        verdicts.append((done.returncode, done.stdout))
+        assert page.is_file()
+    said = [f"report: {page}\nverdict: {verdict}\n" for verdict in ("not judged", "fail")]
+    assert verdicts == [(0, said[0]), (1, said[1])]
+
+
+def test_json_of_a_failed_run_has_no_kpis(lag_dir: Path, tmp_path: Path) -> None:
+    done = run(write_system(tmp_path), lag_dir, "--json", "--set", "plant.failAt=0.5")
+    printed = json.loads(done.stdout)
+    assert (done.returncode, printed["run"]["samples"], printed["kpis"]) == (4, 501, None)
+
+
 def test_unknown_parameter_exits_2_with_a_hint(lag_dir: Path, tmp_path: Path) -> None:
     done = run(write_system(tmp_path), lag_dir, "--set", "plant.tua=2.0")
     assert done.returncode == 2

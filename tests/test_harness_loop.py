@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
+import pty
+import re
 import signal
+import struct
 import subprocess
+import termios
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +90,20 @@ def test_interrupt_keeps_the_rows_and_ends_without_traceback(lag_dir: Path, tmp_
     assert "interrupted" in kept.run["error"]
     assert 100 < len(kept.time) < 1000
     assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
+
+
+def test_bar_on_a_terminal_is_gone_before_the_error(lag_dir: Path, tmp_path: Path) -> None:
+    options = ("--set", "plant.delay=0.002", "--set", "plant.failAt=0.9")
+    master_end, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    command = run_command(write_system(tmp_path), lag_dir, *options)
+    with subprocess.Popen(command, stderr=terminal, env=environment(tmp_path)) as process:
+        os.close(terminal)
+        assert process.wait() == 4
+    shown = os.read(master_end, 1 << 16).decode()
+    os.close(master_end)
+    assert "step/s" in shown
+    assert re.search(r"\r +\rdct-harness: plant: fmi2DoStep", shown), shown
 
 
 def test_last_step_is_shortened_and_times_do_not_accumulate() -> None:

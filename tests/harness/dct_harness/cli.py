@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import math
 import sys
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 from . import loader
 from .environment import environment
 from .errors import HarnessError, InterruptedRunError
-from .run_verb import run
+from .run_verb import KPI_FAILS, run
 
 EXAMPLES = """examples:
   dct-harness run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
@@ -83,9 +82,14 @@ def _check(args: argparse.Namespace) -> int:
 
 
 def _report(args: argparse.Namespace) -> int:
-    report = importlib.import_module("dct_harness.report")
-    print(f"report: {report.write(args.runs, args.out, 'Closed loop')}")
-    return 0
+    from . import report
+    from .report import runs
+
+    views = runs.load(args.runs)
+    verdict, _ = runs.overall(views, runs.pairs(views))
+    print(f"report: {report.write_views(views, args.out, 'Closed loop')}")
+    print(f"verdict: {verdict}")
+    return KPI_FAILS if verdict == "fail" else 0
 
 
 def _doctor(args: argparse.Namespace) -> int:

@@ -19,7 +19,7 @@ from . import cells, diagram, downsample, figures, runs
 from .picture import picture
 from .runs import View
 
-__all__ = ["picture", "write"]
+__all__ = ["picture", "write", "write_views"]
 
 PAGE = "index.html"
 
@@ -47,7 +47,11 @@ def write(run_dirs: Sequence[str | Path], out_dir: str | Path, title: str) -> Pa
     ConfigError
         A directory holds no complete run.
     """
-    views = runs.load(run_dirs)
+    return write_views(runs.load(run_dirs), out_dir, title)
+
+
+def write_views(views: list[View], out_dir: str | Path, title: str) -> Path:
+    """Write the page about loaded runs; see `write`."""
     page = Path(out_dir) / PAGE
     page.parent.mkdir(parents=True, exist_ok=True)
     results.write_text(page, _environment().get_template("page.html.j2").render(
