@@ -54,17 +54,17 @@ def test_kpis_of_an_earlier_run_do_not_outlive_a_failed_one(lag_dir: Path, tmp_p
 
 
 def test_slow_run_ends_at_its_time_limit_with_code_5(lag_dir: Path, tmp_path: Path) -> None:
-    options = ("--set", "plant.delay=0.01", "--timeout", "0.3")
+    options = ("--set", "plant.delay=0.01", "--timeout", "1")
     done = run(write_system(tmp_path), lag_dir, *options)
     assert done.returncode == 5, done.stderr
-    assert "not finished after 0.3 s (--timeout)" in done.stderr
+    assert "not finished after 1 s (--timeout)" in done.stderr
     kept = results.load(tmp_path / "out")
-    assert 1 < len(kept.time) < 100
+    assert 1 < len(kept.time) < 200
     assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
 
 
 def test_fmu_that_never_returns_ends_with_code_5(lag_dir: Path, tmp_path: Path) -> None:
-    options = ("--set", "plant.delay=1000.0", "--timeout", "0.3")
+    options = ("--set", "plant.delay=1000.0", "--timeout", "1")
     done = run(write_system(tmp_path), lag_dir, *options)
     assert done.returncode == 5, done.stderr
     assert "an FMU does not return" in done.stderr
