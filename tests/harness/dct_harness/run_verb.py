@@ -9,12 +9,34 @@ from pathlib import Path
 from typing import Any
 
 from . import kpi, progress, results, system, watch
+from .arguments import Verbs, seconds, verb
 from .environment import environment
 from .errors import ConfigError, HarnessError
 from .master import Run
 
 KPI_FAILS = 1
 KPIS_JSON = "kpis.json"
+EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
+run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
+run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES)
+    parser.add_argument("system", type=Path, help="system file (.toml)")
+    parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
+    parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
+    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
+    parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
+    parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
+    parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
+    loudness = parser.add_mutually_exclusive_group()
+    loudness.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    loudness.add_argument(
+        "-v", "--verbose", action="store_true", help="also KPIs per phase, FMU messages"
+    )
+    loudness.add_argument("--json", action="store_true", help="print run.json and the KPIs")
 
 
 def run(args: argparse.Namespace) -> int:

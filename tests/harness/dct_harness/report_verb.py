@@ -1,0 +1,31 @@
+"""`dct-harness report`: the HTML page about runs, and their common verdict."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .arguments import Verbs, verb
+from .run_verb import KPI_FAILS
+
+EXAMPLES = """report target/results/paper_case1 --out target/report
+report target/demo/*"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    parser = verb(verbs, "report", report, "write an HTML report of result directories", EXAMPLES)
+    parser.add_argument("runs", type=Path, nargs="+")
+    parser.add_argument("--out", type=Path, default=Path("target/report"))
+
+
+def report(args: argparse.Namespace) -> int:
+    """Write the page; returns 1 when a run misses a limit or did not reach its end."""
+    from . import report as page
+    from .report import runs
+
+    views = runs.load(args.runs)
+    verdict, _ = runs.overall(views, runs.pairs(views))
+    print(f"report: {page.write_views(views, args.out, 'Closed loop')}")
+    print(f"verdict: {verdict}")
+    return KPI_FAILS if verdict == "fail" else 0
