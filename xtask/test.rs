@@ -7,6 +7,9 @@ use std::process::Command;
 /// The closed-loop master is a workspace of its own: its build needs libclang.
 const MASTER: &str = "src/master/Cargo.toml";
 
+/// The library for control units is one too: without std it needs panic = "abort".
+const ECU: &str = "examples/ecu_observer/Cargo.toml";
+
 /// The steps of `cargo xtask test`.
 pub fn steps(project: &Project) -> Vec<Step> {
     vec![
@@ -14,7 +17,10 @@ pub fn steps(project: &Project) -> Vec<Step> {
         project.python_packages(),
         Step::commands("formatters: rustfmt, ruff", formatters(project)),
         Step::commands("linter: ruff", vec![project.venv("ruff", &["check"])]),
-        Step::commands("linter: clippy", vec![clippy(project, &["--workspace"])]),
+        Step::commands(
+            "linter: clippy",
+            vec![clippy(project, &["--workspace"]), ecu_clippy(project)],
+        ),
         Step::commands("Rust tests", vec![project.cargo(&["test", "--workspace"])]),
         Step::commands("Rust docs without warnings", vec![docs(project)]),
         project.fmus(),
@@ -27,6 +33,7 @@ fn formatters(project: &Project) -> Vec<Command> {
     vec![
         project.cargo(&["fmt", "--all", "--check"]),
         project.cargo(&["fmt", "--check", "--manifest-path", MASTER]),
+        project.cargo(&["fmt", "--check", "--manifest-path", ECU]),
         project.venv("ruff", &["format", "--check", "--quiet"]),
     ]
 }
@@ -34,6 +41,14 @@ fn formatters(project: &Project) -> Vec<Command> {
 fn clippy(project: &Project, scope: &[&str]) -> Command {
     let mut command = project.cargo(&["clippy", "--quiet", "--all-targets"]);
     command.args(scope).args(["--", "-D", "warnings"]);
+    command
+}
+
+/// Of the library alone: without std it can have no tests in Rust.
+fn ecu_clippy(project: &Project) -> Command {
+    let mut command = project.cargo(&["clippy", "--quiet", "--manifest-path", ECU]);
+    command.args(["--target-dir", "target/ecu_observer"]);
+    command.args(["--", "-D", "warnings"]);
     command
 }
 

@@ -1,0 +1,123 @@
+#![no_std]
+//! The observer for a control unit: `dct_observer.h` in Rust.
+//!
+//! The state lives in the caller's `dct_observer`; nothing allocates, and no `unsafe` block is needed:
+//! a C pointer arrives as `Option<&T>`, so null is the one thing that has to be checked here. That what
+//! is not null points at an object of its own is the caller's promise, as with every C library; so is
+//! that `dct_observer_start` was called before `dct_observer_step`.
+
+mod header;
+mod interface;
+
+use core::mem::{MaybeUninit, size_of};
+use core::panic::PanicInfo;
+use dct_driveline::Params;
+use dct_driveline::observer::{self, Observer as _, Paper, Settings};
+use interface::{Estimate, Sample, SettingsOfC, Vehicle};
+
+/// Everything went well.
+const OK: i32 = 0;
+/// A pointer is null.
+const NULL: i32 = 1;
+/// A value of vehicle or settings makes no sense.
+const VEHICLE: i32 = 2;
+/// A sample or a step is no number or out of range.
+const SAMPLE: i32 = 3;
+
+/// Longest step [s], as of the observer's FMU.
+const LONGEST_STEP: f64 = 0.1;
+
+/// `dct_observer` of the header.
+pub struct State {
+    vehicle: Params,
+    settings: Settings,
+    observer: Paper,
+}
+
+const ROOM: usize = header::number("#define DCT_OBSERVER_DOUBLES ") * size_of::<f64>();
+const _: () = assert!(
+    size_of::<State>() <= ROOM,
+    "dct_observer.h has too little room"
+);
+
+/// Fills in Table 1 and friction case 1.
+// SAFETY: no other symbol of this library or of C has this name.
+#[unsafe(no_mangle)]
+pub extern "C" fn dct_table_1(
+    vehicle: Option<&mut MaybeUninit<Vehicle>>,
+    settings: Option<&mut MaybeUninit<SettingsOfC>>,
+) -> i32 {
+    let (Some(vehicle), Some(settings)) = (vehicle, settings) else {
+        return NULL;
+    };
+    vehicle.write(Vehicle::from(&Params::TABLE_1));
+    settings.write(SettingsOfC::CASE_1);
+    OK
+}
+
+/// Starts from measurements.
+// SAFETY: no other symbol of this library or of C has this name.
+#[unsafe(no_mangle)]
+pub extern "C" fn dct_observer_start(
+    state: Option<&mut MaybeUninit<State>>,
+    vehicle: Option<&Vehicle>,
+    settings: Option<&SettingsOfC>,
+    sample: Option<&Sample>,
+    estimate: Option<&mut MaybeUninit<Estimate>>,
+) -> i32 {
+    let (Some(state), Some(vehicle), Some(settings)) = (state, vehicle, settings) else {
+        return NULL;
+    };
+    let (Some(sample), Some(estimate)) = (sample, estimate) else {
+        return NULL;
+    };
+    let (Some(vehicle), Some(settings)) = (vehicle.checked(), settings.checked()) else {
+        return VEHICLE;
+    };
+    let sample: observer::Sample = sample.into();
+    let both = vehicle.g(sample.gear).iter().all(|ratio| *ratio != 0.0);
+    if !both || !sample.is_finite() {
+        return SAMPLE;
+    }
+    let mut observer = Paper::default();
+    estimate.write(observer.start(&vehicle, &settings, &sample).into());
+    state.write(State {
+        vehicle,
+        settings,
+        observer,
+    });
+    OK
+}
+
+/// Advances by `step` [s].
+// SAFETY: no other symbol of this library or of C has this name.
+#[unsafe(no_mangle)]
+pub extern "C" fn dct_observer_step(
+    state: Option<&mut State>,
+    sample: Option<&Sample>,
+    step: f64,
+    estimate: Option<&mut MaybeUninit<Estimate>>,
+) -> i32 {
+    let (Some(state), Some(sample), Some(estimate)) = (state, sample, estimate) else {
+        return NULL;
+    };
+    let sample: observer::Sample = sample.into();
+    if !(sample.is_finite() && step > 0.0 && step <= LONGEST_STEP) {
+        return SAMPLE;
+    }
+    let State {
+        vehicle,
+        settings,
+        observer,
+    } = state;
+    estimate.write(observer.step(vehicle, settings, &sample, step).into());
+    OK
+}
+
+/// Ends here what cannot happen: a control unit's watchdog notices.
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}
