@@ -1,16 +1,16 @@
-//! `cargo xtask bench`: performance ratios against C FMUs, by `benches/run.py`.
+//! `cargo xtask bench`: performance gates against C FMUs, by `benches/run.py`.
 
 use crate::plan::Step;
 use crate::setup::{Package, Project};
 
-/// The steps of `cargo xtask bench`.
-pub fn steps(project: &Project) -> Vec<Step> {
-    let empty = project.cargo(&["build", "--quiet", "--release", "--package", "bench-empty"]);
+/// The steps of `cargo xtask bench`; `flags` go to `benches/run.py`.
+pub fn steps(project: &Project, flags: &[&str]) -> Vec<Step> {
+    let mut measure = project.venv("python", &["benches/run.py"]);
+    measure.args(flags);
     vec![
         project.system_packages(&[Package::Valgrind]),
         project.python_packages(),
         project.fmus(),
-        Step::commands("empty FMU library in Rust", vec![empty]),
-        Step::commands("measure", vec![project.venv("python", &["benches/run.py"])]),
+        Step::commands("measure", vec![measure]),
     ]
 }

@@ -28,7 +28,9 @@ commands:
                  target/report/index.html; --open shows it in a browser
   test           every check: formatters, linters, Rust tests, docs, Python tests with the FMUs
                  in fmpy, ecos, libcosim and the fmi crate
-  bench          performance ratios against C FMUs: a table and target/bench/summary.json
+  bench [--quick]
+                 every performance gate, C FMUs beside: a table and target/bench/summary.json;
+                 fails when a gate is missed; --quick is a short run that judges nothing
   ci             demo, then test: what a change must pass
 
 set-up (done by every command, kept between runs):
@@ -68,7 +70,8 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["demo"] => plan::run(demo::steps(&project, false)),
         ["demo", "--open"] => plan::run(demo::steps(&project, true)),
         ["test"] => plan::run(test::steps(&project)),
-        ["bench"] => plan::run(bench::steps(&project)),
+        ["bench"] => plan::run(bench::steps(&project, &[])),
+        ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
         ["ci"] => plan::run(ci(&project)),
         [] | ["help" | "--help" | "-h"] | [_, "--help" | "-h"] => {
             print!("{HELP}");

@@ -13,7 +13,7 @@ const ECU: &str = "examples/ecu_observer/Cargo.toml";
 /// The steps of `cargo xtask test`.
 pub fn steps(project: &Project) -> Vec<Step> {
     vec![
-        project.system_packages(&[Package::Chromium, Package::Tbb]),
+        project.system_packages(&[Package::Chromium, Package::Tbb, Package::Valgrind]),
         project.python_packages(),
         Step::commands("formatters: rustfmt, ruff", formatters(project)),
         Step::commands("linter: ruff", vec![project.venv("ruff", &["check"])]),

@@ -1,0 +1,121 @@
+"""The gates of `cargo xtask bench`: one function per group, each a list of judged values."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from measure import Bench
+
+FINE, COARSE = 1e-3, 1e-2
+# The worst relative difference at the end of a run that still makes the RK4 peer the same plant.
+SAME_PLANT = 0.02
+
+
+@dataclass
+class Gate:
+    """A measured value and its limit."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str = "x"
+    at_least: bool = False
+    beside: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value keeps the limit."""
+        kept = self.value >= self.limit if self.at_least else self.value <= self.limit
+        return bool(kept)
+
+    def summary(self) -> dict:
+        """Return what `summary.json` holds of it."""
+        return asdict(self) | {"value": float(self.value), "passed": self.passed}
+
+
+def ratios(bench: Bench) -> list[Gate]:
+    """Exchanges against those of C FMUs: instructions are judged, CPU times stand beside."""
+    gates = []
+    for name, limit, at_least, h, over, under in (
+        ("empty model / empty C FMU", 1.25, False, FINE, "empty", "empty_c"),
+        ("plant at 1 ms / empty C FMU", 12.0, False, FINE, "plant", "empty_c"),
+        ("RK4 in C / plant, 1 ms", 22.0, True, FINE, "rk4", "plant"),
+        ("RK4 in C / plant, 10 ms", 140.0, True, COARSE, "rk4", "plant"),
+    ):
+        pair = [getattr(bench, library) for library in (over, under)]
+        counts = [bench.instructions(h, library) for library in pair]
+        times = bench.cpu_times(h, *pair)
+        ratio, cpu = counts[0] / counts[1], np.median(times[:, 0] / times[:, 1])
+        beside = "{:.0f} / {:.0f} instructions; CPU time {:.0f} / {:.0f} ns = {:.3g} x".format(
+            *counts, *np.median(times, axis=0), cpu
+        )
+        gates.append(Gate(name, ratio, limit, at_least=at_least, beside=beside))
+    return gates
+
+
+def steps(bench: Bench) -> list[Gate]:
+    """How even the steps are, events included."""
+    plant, rk4 = bench.least_times(FINE, bench.plant, bench.rk4)
+    middle, high = np.percentile(plant, [50, 99.9])
+    worst, ordinary = plant.max(), np.median(rk4)
+    return [
+        Gate("step p99.9 / p50", high / middle, 1.6, beside=f"{high:.0f} / {middle:.0f} ns"),
+        Gate("worst step / RK4's ordinary one", worst / ordinary, 1.0,
+             beside=f"{worst:.0f} / {ordinary:.0f} ns"),
+    ]  # fmt: skip
+
+
+def starts(bench: Bench) -> list[Gate]:
+    """Instantiate and initialise."""
+    known, new = bench.starts / 1e3
+    return [
+        Gate("start, known parameters", known, 0.3, "us"),
+        Gate("start, new parameters", new, 120.0, "us"),
+    ]
+
+
+def memory(bench: Bench) -> list[Gate]:
+    """Heap and library."""
+    heap = bench.heap
+    one, shared = heap["second_bytes"], heap["first_bytes"] - heap["second_bytes"]
+    size = bench.library.stat().st_size / 1024
+    return [
+        Gate("heap calls in exchanges", heap["exchanges"], 0, "calls"),
+        Gate("heap calls in new step sizes", heap["new_steps"], 0, "calls"),
+        Gate("heap of an instance", one / 1024, 1.0, "KiB"),
+        Gate("heap shared by its kin", shared / 1024, 128.0, "KiB"),
+        Gate("library, stripped", size, 400.0, "KiB"),
+    ]
+
+
+def check_peer(bench: Bench) -> None:
+    """Refuse to compare with a peer that is not the same plant.
+
+    Raises
+    ------
+    SystemExit
+        When a speed at the end of the run differs too much.
+    """
+    ours, theirs = (bench.last_outputs(library)[:4] for library in (bench.plant, bench.rk4))
+    apart = np.abs(ours - theirs) / np.abs(ours).max()
+    if not apart.max() < SAME_PLANT:
+        raise SystemExit(f"the RK4 peer ends at {theirs}, the plant at {ours}")
+
+
+def measured(bench: Bench) -> list[Gate]:
+    """Every gate, in the order of the table."""
+    check_peer(bench)
+    return [*ratios(bench), *steps(bench), *starts(bench), *memory(bench)]
+
+
+def table(gates: list[Gate]) -> str:
+    """The gates as a table for people."""
+    lines = [f"{'gate':32} {'value':>9} {'limit':>12}"]
+    for gate in gates:
+        limit = f"{'>=' if gate.at_least else '<='} {gate.limit:g} {gate.unit}"
+        verdict = "pass" if gate.passed else "MISSED"
+        lines.append(
+            f"{gate.name:32} {gate.value:9.4g} {limit:>12}  {verdict:6}  {gate.beside}".rstrip()
+        )
+    return "\n".join(lines)

@@ -1,0 +1,44 @@
+"""`benches/run.py --quick`: the bench runs, and what repeats exactly keeps its limit."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# Gates that no machine and no load can change, and that hold.
+EXACT = ("heap calls in exchanges", "heap calls in new step sizes")
+
+
+@pytest.fixture(scope="module")
+def summary() -> dict:
+    """Run the bench over the first seconds of the scenario."""
+    done = subprocess.run([sys.executable, "benches/run.py", "--quick"], cwd=ROOT, check=False,
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    summary = json.loads((ROOT / "target/bench/summary.json").read_text(encoding="utf-8"))
+    assert all(gate["name"] in done.stdout for gate in summary["gates"])
+    return summary
+
+
+def test_every_gate_has_a_value_a_limit_and_a_verdict(summary: dict) -> None:
+    assert len(summary["gates"]) == 13
+    for gate in summary["gates"]:
+        sign = 1 if gate["at_least"] else -1
+        assert gate["passed"] == (sign * (gate["value"] - gate["limit"]) >= 0), gate["name"]
+
+
+def test_missed_gates_are_named(summary: dict) -> None:
+    missed = [gate["name"] for gate in summary["gates"] if not gate["passed"]]
+    assert summary["missed"] == missed
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_a_gate_that_repeats_exactly_is_kept(summary: dict, name: str) -> None:
+    (gate,) = (gate for gate in summary["gates"] if gate["name"] == name)
+    assert gate["passed"], gate
