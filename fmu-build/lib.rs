@@ -95,7 +95,7 @@ pub fn build(entry: &Entry, out: &Path) -> Result<PathBuf> {
         ),
         (
             format!("binaries/{platform}/{}.{extension}", entry.name),
-            library::build(entry.package)?,
+            entry.library()?,
         ),
     ];
     let path = out.join(format!("{}.fmu", entry.name));

@@ -28,14 +28,14 @@ pub fn platform() -> Result<(&'static str, &'static str)> {
     }
 }
 
-/// Builds the library of `package` in release mode and returns its bytes.
+/// Builds the library of `package`, which cargo finds in `folder`, in release mode; returns its bytes.
 ///
 /// The release profile strips symbols; paths of this machine are taken out, so that two checkouts
 /// give the same bytes.
 ///
 /// # Errors
 /// When cargo fails or the package makes no dynamic library.
-pub fn build(package: &str) -> Result<Vec<u8>> {
+pub(crate) fn build(package: &str, folder: &Path) -> Result<Vec<u8>> {
     let output = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args([
             "build",
@@ -44,8 +44,8 @@ pub fn build(package: &str) -> Result<Vec<u8>> {
             "--message-format=json-render-diagnostics",
         ])
         .args(["--package", package])
-        .env("CARGO_ENCODED_RUSTFLAGS", flags().join("\u{1f}"))
-        .current_dir(workspace())
+        .env("CARGO_ENCODED_RUSTFLAGS", flags(folder).join("\u{1f}"))
+        .current_dir(folder)
         .stderr(Stdio::inherit())
         .output()
         .map_err(|source| Error::Io {
@@ -65,8 +65,8 @@ pub fn build(package: &str) -> Result<Vec<u8>> {
 }
 
 /// Compiler flags of FMU libraries.
-fn flags() -> Vec<String> {
-    let mut flags = vec![remap(workspace(), "dct")];
+fn flags(folder: &Path) -> Vec<String> {
+    let mut flags = vec![remap(folder, "model"), remap(workspace(), "dct")];
     flags.extend(cargo_home().map(|home| remap(&home, "cargo")));
     if cfg!(target_os = "linux") {
         // Name libm where it is used: importers other than Python may not have it loaded.

@@ -1,8 +1,9 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
-use crate::{Error, Result, describe, page, variables_md};
+use crate::{Error, Result, describe, library, page, variables_md};
 use dct_models::{ClutchControl, Observer, Plant};
 use fmi2_cosim::Model;
+use std::path::Path;
 
 /// A model and the package of its FMU library.
 pub struct Entry {
@@ -10,6 +11,8 @@ pub struct Entry {
     pub name: &'static str,
     /// Cargo package whose dynamic library implements it.
     pub package: &'static str,
+    /// Folder of that package or of its workspace; `None`: this workspace.
+    folder: Option<&'static str>,
     /// Writes the text of its `modelDescription.xml`.
     pub describe: fn() -> Result<String>,
     /// Writes its section of `VARIABLES.md`.
@@ -19,14 +22,36 @@ pub struct Entry {
 }
 
 impl Entry {
-    const fn of<M: Model>(package: &'static str) -> Self {
+    /// The entry of model `M`, whose library is made by the cargo package `package`.
+    #[must_use]
+    pub const fn of<M: Model>(package: &'static str) -> Self {
         Self {
             name: M::NAME,
             package,
+            folder: None,
             describe: describe::<M>,
             table: variables_md::section::<M>,
             page: page::page::<M>,
         }
+    }
+
+    /// Says where cargo finds the package: `env!("CARGO_MANIFEST_DIR")` of a package outside this
+    /// workspace.
+    #[must_use]
+    pub const fn at(mut self, folder: &'static str) -> Self {
+        self.folder = Some(folder);
+        self
+    }
+
+    /// Builds the library of this platform and returns its bytes.
+    ///
+    /// # Errors
+    /// When cargo fails or the package makes no dynamic library.
+    pub fn library(&self) -> Result<Vec<u8>> {
+        library::build(
+            self.package,
+            self.folder.map_or(library::workspace(), Path::new),
+        )
     }
 }
 

@@ -12,6 +12,7 @@
 
 mod bench;
 mod demo;
+mod packages;
 mod plan;
 mod setup;
 mod test;

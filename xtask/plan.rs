@@ -112,7 +112,7 @@ pub fn succeeds(command: &mut Command) -> bool {
 }
 
 /// The command as one would type it in a POSIX shell, environment included.
-fn line(command: &Command) -> String {
+pub fn line(command: &Command) -> String {
     let environment = command.get_envs().filter_map(|(name, value)| {
         value.map(|value| format!("{}={}", name.display(), quoted(&value.to_string_lossy())))
     });

@@ -1,5 +1,6 @@
 //! `cargo xtask test`: every check, the quick ones first, pytest and its summary last.
 
+use crate::packages;
 use crate::plan::{Step, execute};
 use crate::setup::{Package, Project};
 use std::process::Command;
@@ -23,6 +24,7 @@ pub fn steps(project: &Project) -> Vec<Step> {
         ),
         Step::commands("Rust tests", vec![project.cargo(&["test", "--workspace"])]),
         Step::commands("Rust docs without warnings", vec![docs(project)]),
+        packages::step(project),
         project.fmus(),
         master(project),
         Step::commands("Python tests", vec![pytest(project)]),

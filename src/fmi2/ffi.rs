@@ -3,7 +3,7 @@
 //! Every function on an instance goes through `enter`: null check, poison check, unwind barrier,
 //! error to log line and status. An FMU library is one line:
 //!
-//! ```ignore
+//! ```text
 //! fmi2_cosim::export!(my_models::Tank);
 //! ```
 //!

@@ -36,7 +36,22 @@ impl Unit {
     /// Names of the base units, in the order of [`Unit::exponents`].
     pub const BASE: [&'static str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
-    const fn new(name: &'static str, exponents: [i8; 8], display: &'static [DisplayUnit]) -> Self {
+    /// A unit that is not in the list below, e.g. a heat capacity:
+    ///
+    /// ```
+    /// use fmi2_cosim::{DisplayUnit, Unit};
+    ///
+    /// const KILO: DisplayUnit = DisplayUnit { name: "kJ/K", factor: 1e-3, offset: 0.0 };
+    /// const JOULE_PER_KELVIN: Unit = Unit::new("J/K", [1, 2, -2, 0, -1, 0, 0, 0], &[KILO]);
+    /// # assert_eq!(Unit::BASE[4], "K");
+    /// # assert_eq!(JOULE_PER_KELVIN.exponents[4], -1);
+    /// ```
+    #[must_use]
+    pub const fn new(
+        name: &'static str,
+        exponents: [i8; 8],
+        display: &'static [DisplayUnit],
+    ) -> Self {
         Self {
             name,
             exponents,
@@ -76,6 +91,16 @@ impl Unit {
         "rad/s",
         [0, 0, -1, 0, 0, 0, 0, 1],
         &[display("rpm", 30.0 / core::f64::consts::PI)],
+    );
+    /// Absolute temperature.
+    pub const KELVIN: Self = Self::new(
+        "K",
+        [0, 0, 0, 0, 1, 0, 0, 0],
+        &[DisplayUnit {
+            name: "degC",
+            factor: 1.0,
+            offset: -273.15,
+        }],
     );
     /// Force.
     pub const NEWTON: Self = Self::new("N", [1, 1, -2, 0, 0, 0, 0, 0], &[display("kN", 1e-3)]);
