@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -38,11 +39,14 @@ def description(variables: tuple[str, ...]) -> str:
     """Return a modelDescription.xml of the lag that shows these variables."""
     outputs = [k for k, text in enumerate(variables, 1) if 'causality="output"' in text]
     unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
+    units = sorted(set(re.findall(r' unit="([^"]+)"', "".join(variables))))
+    defined = "".join(f'<Unit name="{unit}"/>' for unit in units)
+    unit_definitions = f"<UnitDefinitions>{defined}</UnitDefinitions>" if units else ""
     structure = f"<Outputs>{unknowns}</Outputs>" if outputs else ""
     return (
         '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="Lag" guid="{lag}">'
         '<CoSimulation modelIdentifier="Lag" canHandleVariableCommunicationStepSize="true"/>'
-        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
+        f"{unit_definitions}<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
 

@@ -14,6 +14,7 @@ from . import scenario as scenarios
 from .connections import check_types, resolve, types
 from .errors import FmuRuntimeError, HarnessError
 from .fmu import Fmu
+from .signals import describe
 from .system import System
 
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
@@ -42,6 +43,7 @@ class Run:
         self.discrete: set[str] = set()
         self.parameters: dict[str, dict[str, dict[str, Any]]] = {}
         self.sources: dict[str, str] = {}
+        self.signals: dict[str, dict[str, Any]] = {}
         self.times = np.zeros(0)
         self.abort: HarnessError | None = None  # set by a signal or another thread
 
@@ -71,6 +73,7 @@ class Run:
             hold = f"scenario.{signal}" in held
             self.script[:, k] = script.sample(signal, self.times, hold)
         self.names += [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
+        self.signals = describe(self.names, self.fmus, self.sources)
         self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
         self.world, self._zeros = np.zeros((2, len(self.names)))
         self._scripted = self.world[: len(used)]
@@ -167,6 +170,7 @@ class Run:
             "reached": float(self.times[len(self.rows) - 1]) if len(self.rows) else None,
             "status": "partial" if error else "complete", "error": str(error) if error else None,
             "fmus": self.identities, "parameters": self.parameters, "events": self.events(),
+            "signals": self.signals,
             "wiring": [{"from": s, "to": t} for t, s in self.sources.items()],
             "log": sorted(log, key=lambda m: m["time"]),
             "wall_time": {n: f.wall_time for n, f in self.fmus.items()},

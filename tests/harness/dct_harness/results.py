@@ -1,11 +1,11 @@
-"""Result directory: `results.csv`, `run.json`, and their loader.
+"""Result directory: `results.csv` (or .parquet, .mf4), `run.json`, and their loader.
 
 `run.json` holds `system` (effective system file), `step` [s], `stop` [s], `status`
 ("complete" or "partial"), `error`, `samples`, `reached` (time of the last sample [s]), `fmus`
 (component -> path, modelName, guid, generationTool, sha256), `parameters` (component -> name ->
-value, unit, and item of an enumeration), `wiring` (list of from, to), `events` (list of time,
-component, variable, from, to), `log` (list of component, time, category, status, message),
-`wall_time` (component -> s), and `environment`.
+value, unit, and item of an enumeration), `wiring` (list of from, to), `signals` (name -> unit,
+type), `events` (list of time, component, variable, from, to), `log` (list of component, time,
+category, status, message), `wall_time` (component -> s), and `environment`.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from . import formats
 from .errors import ConfigError, did_you_mean
 
 RESULTS_CSV = "results.csv"
@@ -55,16 +56,42 @@ def write_text(path: Path, text: str) -> None:
     os.replace(temporary, path)
 
 
-def write(out: Path, names: list[str], rows: np.ndarray, run: dict[str, Any]) -> None:
-    """Write `results.csv` and `run.json`.
+def write(
+    out: Path, names: list[str], rows: np.ndarray, run: dict[str, Any], suffix: str = ".csv"
+) -> None:
+    """Write `results.csv` (or another suffix of `formats`) and `run.json`.
 
-    `rows` has shape (samples, len(names)); numbers are written so that they read back exactly.
+    `rows` has shape (samples, len(names)). Results of an earlier run in another format go, so
+    that a directory never holds those of two runs.
     """
     out.mkdir(parents=True, exist_ok=True)
-    lines = [",".join(names)]
-    lines += [",".join(map(repr, row)) for row in rows.tolist()]
-    write_text(out / RESULTS_CSV, "\n".join(lines) + "\n")
+    formats.write(out / f"results{suffix}", formats.Table(names, rows, units(run)))
+    for other in formats.SUFFIXES:
+        if other != suffix:
+            (out / f"results{other}").unlink(missing_ok=True)
     write_text(out / RUN_JSON, json.dumps(run, indent=2, ensure_ascii=False) + "\n")
+
+
+def units(run: dict[str, Any]) -> dict[str, str]:
+    """Return the unit of each signal that `run.json` gives one."""
+    return {n: signal["unit"] for n, signal in run.get("signals", {}).items() if signal["unit"]}
+
+
+def find(directory: Path) -> Path:
+    """Return the results file of a directory, whatever its format.
+
+    Raises
+    ------
+    ConfigError
+        The directory does not hold one results file.
+    """
+    found = [p for s in formats.SUFFIXES if (p := directory / f"results{s}").is_file()]
+    if not found:
+        raise ConfigError(f"{directory}: no {RESULTS_CSV}; make it with `dct-harness run`")
+    if len(found) > 1:
+        names = ", ".join(path.name for path in found)
+        raise ConfigError(f"{directory}: holds {names}; keep the one to read")
+    return found[0]
 
 
 def load(directory: str | Path) -> Results:
@@ -73,20 +100,15 @@ def load(directory: str | Path) -> Results:
     Raises
     ------
     ConfigError
-        The directory holds no complete pair of `results.csv` and `run.json`, or a damaged one.
+        The directory holds no complete pair of results and `run.json`, or a damaged one.
     """
     directory = Path(directory)
-    for name in (RESULTS_CSV, RUN_JSON):
-        if not (directory / name).is_file():
-            raise ConfigError(f"{directory}: no {name}; make it with `dct-harness run`")
-    with (directory / RESULTS_CSV).open(encoding="utf-8") as file:
-        names = file.readline().rstrip("\n").split(",")
-        try:
-            table = np.loadtxt(file, delimiter=",", comments=None, ndmin=2)
-        except ValueError as error:
-            raise ConfigError(f"{directory / RESULTS_CSV}: {error}") from error
+    path = find(directory)
+    if not (directory / RUN_JSON).is_file():
+        raise ConfigError(f"{directory}: no {RUN_JSON}; make it with `dct-harness run`")
+    table = formats.read(path)
     run = json.loads((directory / RUN_JSON).read_text(encoding="utf-8"))
-    return from_table(names, table, run, directory)
+    return from_table(table.names, table.rows, run, directory)
 
 
 def from_table(names: list[str], rows: np.ndarray, run: dict[str, Any], directory: Path) -> Results:

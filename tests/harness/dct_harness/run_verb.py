@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import kpi, progress, results, system, watch
+from . import formats, junit, kpi, progress, results, system, watch
 from .arguments import Verbs, seconds, verb
 from .environment import environment
 from .errors import ConfigError, HarnessError
@@ -16,6 +16,7 @@ from .master import Run
 
 KPI_FAILS = 1
 KPIS_JSON = "kpis.json"
+FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
 EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
 run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
 run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60"""
@@ -31,6 +32,9 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
     parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
     parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
+    parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")
+    parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
+    parser.add_argument("--junit", type=Path, metavar="FILE", help="limits as JUnit XML")
     loudness = parser.add_mutually_exclusive_group()
     loudness.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     loudness.add_argument(
@@ -49,9 +53,13 @@ def run(args: argparse.Namespace) -> int:
     """
     loop, out = _prepare(args)
     failure = _execute(loop, out, args)
-    record = save(loop, out, failure)
+    record = save(loop, out, failure, args.format)
     kpis = None if failure else _judge(loop, record, out)
     _say(args, out, record, kpis)
+    if args.junit:
+        junit.write(args.junit, loop.system.name, _cases(record, kpis))
+    if args.report and record["samples"]:
+        _report(out, loop.system.title, args)
     if failure:
         raise failure
     return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
@@ -59,6 +67,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     """Return the run that the command line asks for, and its result directory."""
+    formats.require(Path(f"results.{args.format}"))
     model = system.load(args.system)
     if args.scenario:
         model.scenario = args.scenario
@@ -76,7 +85,7 @@ def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | N
     """Run to the end; returns the error that prevented it."""
 
     def hang(error: HarnessError) -> None:
-        save(loop, out, error)
+        save(loop, out, error, args.format)
         print(f"dct-harness: {error}", file=sys.stderr, flush=True)
         loop.remove_directories()
 
@@ -92,7 +101,7 @@ def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | N
     return None
 
 
-def save(loop: Run, out: Path, failure: HarnessError | None) -> dict[str, Any]:
+def save(loop: Run, out: Path, failure: HarnessError | None, suffix: str = "csv") -> dict[str, Any]:
     """Write the samples so far and `run.json`; returns the content of the latter.
 
     A run that failed before its first sample writes nothing.
@@ -100,7 +109,7 @@ def save(loop: Run, out: Path, failure: HarnessError | None) -> dict[str, Any]:
     record = {**loop.summary(failure), "environment": environment()}
     if len(loop.rows):
         (out / KPIS_JSON).unlink(missing_ok=True)
-        results.write(out, *loop.table(), record)
+        results.write(out, *loop.table(), record, f".{suffix}")
     return record
 
 
@@ -109,6 +118,26 @@ def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
     kpis = kpi.compute(results.from_table(*loop.table(), record, out), record)
     results.write_text(out / KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
     return kpis
+
+
+def _cases(record: dict[str, Any], kpis: dict[str, Any] | None) -> list[junit.Case]:
+    """Return a case for the run itself and one per limit."""
+    cases = [junit.Case("run", "reaches its end", record["error"])]
+    for judged in kpis["limits"] if kpis else ():
+        cells = kpi.table.limit_cells([judged])[0]
+        what = " ".join(part for part in (*cells[:3], judged["estimate"]) if part)
+        missed = None if judged["pass"] else f"{what}: {cells[3]}, limit {cells[4]}"
+        cases.append(junit.Case("limits", what, missed))
+    return cases
+
+
+def _report(out: Path, title: str, args: argparse.Namespace) -> None:
+    """Write the report of this run beside its results."""
+    from . import report
+
+    page = report.write([out], out / "report", title)
+    if not (args.quiet or args.json):
+        print(f"report: {page}")
 
 
 def _say(

@@ -14,6 +14,12 @@ def group_of(variable: Any) -> str:
     return "Integer" if variable.type == "Enumeration" else variable.type
 
 
+def unit_of(variable: Any) -> str:
+    """Return the unit of a variable or of its declared type; an empty string if it has none."""
+    declared = variable.declaredType
+    return variable.unit or (declared.unit if declared else None) or ""
+
+
 def start_value(component: str, variable: Any, value: Any) -> Any:
     """Return `value` as the FMU takes it: enumerations by item or number, a whole number as real.
 
@@ -65,8 +71,7 @@ def parameters(slave: Any, variables: list[Any]) -> dict[str, dict[str, Any]]:
 
 def _described(variable: Any, value: Any) -> dict[str, Any]:
     """Return a value with its unit, and with its item if it is one of an enumeration."""
-    declared = variable.declaredType
-    unit = variable.unit or (declared.unit if declared else None) or ""
+    unit = unit_of(variable)
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
     named = {number: item for item, number in _items(variable).items()}

@@ -1,4 +1,4 @@
-"""What ends a run from outside: Ctrl-C and a time limit."""
+"""What ends a run from outside: Ctrl-C, SIGTERM and a time limit."""
 
 from __future__ import annotations
 
@@ -12,28 +12,31 @@ from typing import Any
 from .errors import InterruptedRunError, RunTimeoutError
 from .master import Run
 
+SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
 GRACE = 2.0  # s; a call into an FMU that takes longer than this past the limit hangs
 
 
 @contextmanager
 def interruptible(run: Run) -> Iterator[None]:
-    """Let Ctrl-C end `run` at its next communication point; a second one ends it at once.
+    """Let Ctrl-C and SIGTERM end `run` at its next communication point; a second one at once.
 
-    Only a process's main thread may do so; elsewhere Ctrl-C does what it did before.
+    A CI server that cancels a job sends SIGTERM. Only a process's main thread may do so;
+    elsewhere the signals do what they did before.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
-    def handle(_number: int, _frame: Any) -> None:
-        signal.signal(signal.SIGINT, previous)
-        run.abort = InterruptedRunError("interrupted by Ctrl-C")
+    def handle(number: int, _frame: Any) -> None:
+        signal.signal(number, previous[number])
+        run.abort = InterruptedRunError(f"interrupted by {SIGNALS[number]}")
 
-    previous = signal.signal(signal.SIGINT, handle)
+    previous = {number: signal.signal(number, handle) for number in SIGNALS}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, action in previous.items():
+            signal.signal(number, action)
 
 
 @contextmanager

@@ -1,0 +1,21 @@
+"""Unit and type of each recorded signal, from the model descriptions of the FMUs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .fmu import Fmu
+from .values import group_of, unit_of
+
+TIME = {"time": {"unit": "s", "type": "Real"}}
+
+
+def describe(
+    names: list[str], fmus: dict[str, Fmu], sources: dict[str, str]
+) -> dict[str, dict[str, Any]]:
+    """Return unit and type by name; a scenario signal has those of the inputs it feeds."""
+    told = {f"{n}.{v.name}": {"unit": unit_of(v), "type": group_of(v)}
+            for n, f in fmus.items() for v in (*f.inputs, *f.outputs)}  # fmt: skip
+    for target, source in sources.items():
+        told.setdefault(source, told[target])
+    return TIME | {name: told[name] for name in names}
