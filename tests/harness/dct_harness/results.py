@@ -111,6 +111,16 @@ def load(directory: str | Path) -> Results:
     return from_table(table.names, table.rows, run, directory)
 
 
+def load_any(path: str | Path) -> Results:
+    """Load a result directory, or a single file of any format, whose `run` is then empty."""
+    path = Path(path)
+    if path.is_dir() or not path.suffix:
+        return load(path)
+    table = formats.read(path)
+    signals = {n: {"unit": table.units.get(n, ""), "type": "Real"} for n in table.names}
+    return from_table(table.names, table.rows, {"signals": signals}, path)
+
+
 def from_table(names: list[str], rows: np.ndarray, run: dict[str, Any], directory: Path) -> Results:
     """Return results whose `rows` have shape (samples, len(names))."""
     columns = np.ascontiguousarray(rows.T)

@@ -79,15 +79,16 @@ LIMIT_HEAD = ["limit on", "signal", "scope", "value", "limit", "verdict"]
 def format_table(kpis: dict[str, Any]) -> str:
     """Return all KPIs of `compute` as aligned text: estimates [N·m, %], the rest, the limits."""
     parts = [
-        _aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1),
-        _aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
-        _aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (3, 4)),
+        aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1),
+        aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
+        aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (3, 4)),
         f"verdict: {kpis['verdict']}",
     ]
     return "\n\n".join(part for part in parts if part)
 
 
-def _aligned(head: list[str], rows: list[list[str]], right: Callable[[int], bool]) -> str:
+def aligned(head: list[str], rows: list[list[str]], right: Callable[[int], bool]) -> str:
+    """Return a table for a terminal; `right` says which columns are numbers."""
     if not rows:
         return ""
     widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
