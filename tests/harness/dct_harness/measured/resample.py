@@ -1,0 +1,72 @@
+"""Channels with several time axes onto one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import ConfigError
+from ..formats import Table
+from .channels import Channel
+
+ROUNDING = 1e-9  # of a step: an end this close to a multiple of the step is one
+
+
+def common(
+    channels: list[Channel], step: float | None, start: float | None, stop: float | None
+) -> Table:
+    """Return one table of all channels.
+
+    Parameters
+    ----------
+    channels
+        At least one.
+    step
+        Distance of the samples [s]; None keeps the axis that all channels share. Reals are
+        interpolated, integers held.
+    start, stop
+        Part to keep [s], of the channels' own time; the result then starts at 0.
+
+    Raises
+    ------
+    ConfigError
+        The channels have several time axes and no step is given, or share no time.
+    """
+    low = max([c.time[0] for c in channels if len(c.time)], default=0.0)
+    high = min([c.time[-1] for c in channels if len(c.time)], default=-1.0)
+    if not all(len(c.time) for c in channels) or low > high:
+        raise ConfigError("the channels share no stretch of time")
+    first, last = (
+        low if start is None else max(low, start),
+        high if stop is None else min(high, stop),
+    )
+    if first > last:
+        raise ConfigError(
+            f"no sample between {start} s and {stop} s: there are {low} s to {high} s"
+        )
+    if step is None:
+        axis = _shared(channels)
+        axis = axis[(axis >= first) & (axis <= last)]
+    else:
+        axis = first + np.arange(int((last - first) / step + ROUNDING) + 1) * step
+    columns = [_at(channel, axis) for channel in channels]
+    shown = axis - first if start is not None else axis
+    units = {"time": "s"} | {c.name: c.unit for c in channels if c.unit}
+    return Table(["time", *(c.name for c in channels)], np.column_stack([shown, *columns]), units)
+
+
+def _shared(channels: list[Channel]) -> np.ndarray:
+    axis = channels[0].time
+    for channel in channels:
+        if not np.array_equal(channel.time, axis):
+            raise ConfigError(
+                f"'{channel.name}' is sampled at other times than '{channels[0].name}'; "
+                "give --step to resample"
+            )
+    return axis
+
+
+def _at(channel: Channel, axis: np.ndarray) -> np.ndarray:
+    if channel.held:
+        index = np.searchsorted(channel.time, axis, side="right") - 1
+        return channel.values[np.clip(index, 0, len(channel.values) - 1)]
+    return np.interp(axis, channel.time, channel.values)
