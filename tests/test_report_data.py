@@ -108,6 +108,7 @@ def run_json(name: str, title: str, step: float, control: bool | None) -> dict[s
         "fmus": {c: {"path": f"{m}.fmu", "modelName": m, "guid": f"{{{m}}}", "sha256": "0" * 64,
                      "generationTool": "fmu-build"} for c, m in models.items()},
         "wiring": [{"from": s, "to": f"{c}.{s.partition('.')[2]}"} for s, c in wiring],
+        "signals": {"observer.clutch1.muF": {"unit": "N/m", "type": "Real"}},
         "events": [], "log": [{"component": "plant", "time": 2.5, "category": "events",
                                "status": "OK", "message": "clutch1 locked & <held>"}],
         "wall_time": dict.fromkeys(models, 0.1), "environment": {"python": "3"},

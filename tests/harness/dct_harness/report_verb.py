@@ -9,23 +9,35 @@ from .arguments import Verbs, verb
 from .run_verb import KPI_FAILS
 
 EXAMPLES = """report target/results/paper_case1 --out target/report
-report target/demo/*"""
+report target/demo/*
+report target/results/paper_case1 --compare-to reference/paper_case1"""
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "report", report, "write an HTML report of result directories", EXAMPLES)
     parser.add_argument("runs", type=Path, nargs="+")
+    parser.add_argument(
+        "--compare-to",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="RUN",
+        help="earlier runs to overlay",
+    )
+    parser.add_argument("--title", default="Closed loop")
     parser.add_argument("--out", type=Path, default=Path("target/report"))
 
 
 def report(args: argparse.Namespace) -> int:
     """Write the page; returns 1 when a run misses a limit or did not reach its end."""
     from . import report as page
-    from .report import runs
+    from .report import earlier, runs
 
     views = runs.load(args.runs)
+    if args.compare_to:
+        views = earlier.beside(views, args.compare_to)
     verdict, _ = runs.overall(views, runs.pairs(views))
-    print(f"report: {page.write_views(views, args.out, 'Closed loop')}")
+    print(f"report: {page.write_views(views, args.out, args.title)}")
     print(f"verdict: {verdict}")
     return KPI_FAILS if verdict == "fail" else 0

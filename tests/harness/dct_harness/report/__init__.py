@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 
 from .. import __version__, results
 from ..kpi import KPIS
-from . import cells, diagram, downsample, figures, runs
+from . import cells, diagram, downsample, earlier, figures, runs
 from .picture import picture
 from .runs import View
 
@@ -94,6 +94,7 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
         "phases": _phases(views), "kpis": KPIS,
         "parameters": cells.parameters(views), "effective": cells.effective(views),
         "identities": cells.identities(views),
+        "earlier": [found for view in views if (found := earlier.changes(view))],
         "bins": downsample.BINS, "version": __version__,
     }  # fmt: skip
 

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-UNITS = {
-    "torque": "N·m", "torqueRequest": "N·m", "speed": "rad/s", "position": "m",
-    "pressure": "Pa", "grade": "rad", "gear": "1", "muF": "N/m", "friction": "1", "enabled": "1",
-}  # fmt: skip
-SPECIAL_UNITS = {"vehicle.speed": "m/s"}
 BOX = (168, 76)  # px
 GAP = 132  # px between boxes
 MIDDLE = 168  # px, centre line of the boxes
 ARC = 46  # px, height of an arc over each box it passes
 
 
-def unit(signal: str) -> str:
-    """Return the SI unit of a signal of the interface contract, or an empty string."""
-    variable = signal.partition(".")[2]
-    return SPECIAL_UNITS.get(variable, UNITS.get(variable.rpartition(".")[2], ""))
+def unit(run: dict[str, Any], signal: str) -> str:
+    """Return the unit that the FMUs give a signal, or an empty string."""
+    return run.get("signals", {}).get(signal, {}).get("unit", "")
 
 
 def layout(run: dict[str, Any]) -> dict[str, Any]:
@@ -79,7 +73,7 @@ def _edge(
         label = ((x0 + x1) / 2, start + 0.75 * lift - 8)
     step = run.get("step")
     delay = f"one step ({step * 1e3:g} ms)" if backward and step else "none"
-    signals = [{**wire, "unit": unit(wire["from"])} for wire in wires]
+    signals = [{**wire, "unit": unit(run, wire["from"])} for wire in wires]
     plural = "signal" if len(wires) == 1 else "signals"
     return {"number": number, "path": path, "x": label[0], "y": label[1], "signals": signals,
             "backward": backward, "delay": delay, "text": f"{len(wires)} {plural}"}  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -41,10 +41,25 @@ def trace(view: View, values: np.ndarray, role: str, name: str) -> Json:
 
 def _lines(view: View, *wanted: tuple[str, str, str, float]) -> list[Json]:
     """Return lines for those of (signal, role, name, factor) that the run has."""
-    return [
-        trace(view, view.results[signal] * factor, role, name)
-        for signal, role, name, factor in wanted if signal in view.results
-    ]  # fmt: skip
+    found = []
+    for signal, role, name, factor in wanted:
+        if signal in view.results:
+            found.append(trace(view, view.results[signal] * factor, role, name))
+            found += _before(view, signal, role, name, lambda v, f=factor: v * f)
+    return found
+
+
+def _before(
+    view: View, signal: str, role: str, name: str, shape: Callable[[np.ndarray], np.ndarray]
+) -> list[Json]:
+    """Return the line of the earlier run, if there is one and it differs."""
+    earlier = view.earlier
+    if earlier is None or signal not in earlier.results:
+        return []
+    values, now = earlier.results[signal], view.results[signal]
+    if values.shape == now.shape and (values == now).all():
+        return []
+    return [{**trace(earlier, shape(values), role, f"{name}, earlier"), "before": True}]
 
 
 def _figure(key: str, view: View, panels: list[Json], caption: str, aria: str) -> Json | None:
@@ -136,11 +151,23 @@ def friction(view: View) -> Json | None:
         known = coefficients(view.results, clutch)
         roles = {"truth": "true T_c / (r N θ)", "map": "nominal μₙ·f", "observer": "adapted μ·f"}
         lines = [trace(view, known[r] * KILO, r, n) for r, n in roles.items() if r in known]
+        lines += _friction_before(view, clutch, known)
         shades = [{**s, "y0": 0, "y1": 1} for s in view.spans(clutch)]
         title = f"μ·f {LABEL[clutch]} [kN/m]"
         panels.append({"title": title, "traces": lines, "shades": shades})
     caption = "Friction coefficient times force per stroke, μ·f"
     return _figure("friction", view, panels, caption, f"{caption}; {view.title}")
+
+
+def _friction_before(view: View, clutch: str, known: dict[str, np.ndarray]) -> list[Json]:
+    """Return the adapted coefficient of the earlier run, if it differs."""
+    if view.earlier is None:
+        return []
+    values = coefficients(view.earlier.results, clutch).get("observer")
+    if values is None or np.array_equal(values, known.get("observer"), equal_nan=True):
+        return []
+    made = trace(view.earlier, values * KILO, "observer", "adapted μ·f, earlier")
+    return [{**made, "before": True}]
 
 
 def track(view: View, partner: View | None = None) -> Json | None:
@@ -164,6 +191,7 @@ def _track_panels(clutch: str, runs: list[tuple[View, str]]) -> Iterator[Json]:
         signal = f"plant.{clutch}.torque"
         if signal in run.results:
             torque.append(trace(run, np.abs(run.results[signal]), role, names[role]))
+            torque += _before(run, signal, role, names[role], np.abs)
         values = tracking.error(run.results, clutch)
         if values is not None:
             errors.append(trace(run, values, role, names[role]))

@@ -23,11 +23,12 @@ PAPER_FIGURES = {"paper_case1": ("10", "11"), "paper_case2": ("12", "13")}
 
 @dataclass(frozen=True)
 class View:
-    """One run; `slug` is unique on the page and safe as an HTML id."""
+    """One run; `slug` is unique on the page and safe as an HTML id; `earlier` to overlay."""
 
     results: Results
     kpis: dict[str, Any]
     slug: str
+    earlier: View | None = None
 
     @property
     def run(self) -> dict[str, Any]:

@@ -8,6 +8,7 @@
     truth: { width: 2.6 }, engine: { width: 3 }, map: { width: 1.6, dash: "dash" }, observer: { width: 1.5 },
     closed: { width: 1.6 }, opened: { width: 1.5, dash: "dash" },
   };
+  const BEFORE = { width: 1.3, dash: "dot" }; // a line of the run to compare with
   const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40 };
   const CONFIG = {
     responsive: true, displaylogo: false, scrollZoom: false, doubleClick: false,
@@ -61,7 +62,8 @@
     const first = legend && !seen.has(raw.name);
     seen.add(raw.name);
     return { ...common, mode: "lines", type: "scatter", showlegend: first, legendgroup: raw.name,
-      line: { width: 1.6, ...STYLES[raw.role], color: colour(raw.role) },
+      line: { width: 1.6, ...STYLES[raw.role], ...(raw.before ? BEFORE : {}), color: colour(raw.role) },
+      opacity: raw.before ? 0.75 : 1,
       hovertemplate: "%{y:.4g}" };
   }
 

@@ -1,0 +1,83 @@
+"""`report --compare-to`: an earlier run dotted in the figures, and what changed in tables."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dct_harness import cli, report, results
+from dct_harness.errors import ConfigError
+from dct_harness.report import earlier, runs
+from test_report import LINES, Visit, browser, shots
+from test_report_data import write_all, write_run
+
+__all__ = ["browser", "shots"]  # fixtures
+FACTOR = 0.9  # of the observer's first torque in the earlier run
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> tuple[Path, Path]:
+    """Return a run and an earlier one whose first torque estimate and mass were others."""
+    now = write_run(tmp_path / "now", "paper_case1", "Case 1")
+    before = tmp_path / "before"
+    shutil.copytree(now, before)
+    loaded = results.load(before)
+    loaded.signals["observer.clutch1.torque"] *= FACTOR
+    run = {**loaded.run, "parameters": {"plant": {"mass": {"value": 1.0, "unit": "kg"}}}}
+    results.write(before, list(loaded.signals), np.column_stack(list(loaded.signals.values())), run)
+    return now, before
+
+
+def test_changes_are_the_kpis_signals_and_facts_that_differ(pair: tuple[Path, Path]) -> None:
+    (view,) = earlier.beside(runs.load([pair[0]]), [pair[1]])
+    found = earlier.changes(view)
+    assert [s["name"] for s in found["signals"]] == ["observer.clutch1.torque"]
+    assert found["signals"][0]["nrmse"] == f"{1 / FACTOR - 1:.2g}"
+    assert {k["signal"].split()[0] for k in found["kpis"]} == {"clutch1.torque"}
+    facts = [(f["name"], f["was"], f["now"]) for f in found["facts"]]
+    assert facts == [("plant.mass", "1.0", "–")]
+
+
+def test_the_same_run_has_no_dotted_line(pair: tuple[Path, Path], tmp_path: Path) -> None:
+    (view,) = earlier.beside(runs.load([pair[0]]), [pair[0]])
+    figures = [report.figures.torques(view), report.figures.driveline(view)]
+    lines = [t for f in figures for p in f["panels"] for t in p["traces"]]
+    assert not any(t.get("before") for t in lines)
+    page = report.write_views([view], tmp_path / "page", "Same").read_text(encoding="utf-8")
+    assert re.search(r"All \d+ signals agree with the earlier run", page)
+
+
+def test_runs_find_their_own_earlier_ones(tmp_path: Path) -> None:
+    now, before = write_all(tmp_path / "now"), write_all(tmp_path / "before")
+    views = earlier.beside(runs.load(now), before[::-1])
+    assert [v.earlier.results.path for v in views] == before
+    alone = earlier.beside(runs.load(now), before[:1])
+    assert [v.earlier is not None for v in alone] == [True, False, False, False]
+    other = write_run(tmp_path / "x", "paper_case3", "Case 3")
+    with pytest.raises(ConfigError, match="no run of system 'paper_case3' is shown"):
+        earlier.beside(runs.load(now), [other])
+
+
+def test_the_page_draws_the_earlier_run_dotted(
+    browser: object, shots: Path, pair: tuple[Path, Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "page"
+    command = ["report", str(pair[0]), "--compare-to", str(pair[1]), "--out", str(out)]
+    cli.main([*command, "--title", "Now & then"])
+    visited = Visit(browser, out / "index.html")
+    assert visited.page.locator("h1").inner_text() == "Now & then"
+    assert all(f["drawn"] == f["wanted"] > 0 for f in visited.page.evaluate(LINES))
+    dotted = visited.page.evaluate("""() => [...document.querySelectorAll(".plot")].flatMap(
+        (div) => div.data.filter((t) => t.line?.dash === "dot").map((t) => t.name))""")
+    assert dotted == ["observer, earlier"]
+    visited.page.click("nav a[href='#earlier']")
+    assert visited.page.locator("table.changed tbody tr").count() == 1
+    assert visited.page.locator("table.kpichange tbody tr").count() > 2
+    visited.page.get_by_text("Parameters, FMUs and versions that differ (1)").click()
+    assert visited.page.get_by_text("plant.mass").is_visible()
+    visited.page.screenshot(path=shots / "earlier.png")
+    assert visited.complaints == []
+    visited.page.close()
