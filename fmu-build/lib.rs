@@ -29,18 +29,23 @@ use models::{Entry, MODELS};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Every file of `modelDescription/` with its text.
+/// The models whose descriptions the harness holds a supplier's plant to.
+const CONTRACT: [&str; 2] = ["DctPlant", "DctObserver"];
+
+/// Every file of `modelDescription/` with its text, and the harness's copies of the contract.
 ///
 /// # Errors
 /// When a model cannot be described.
 pub fn descriptions() -> Result<Vec<(PathBuf, String)>> {
     let folder = library::workspace().join("modelDescription");
+    let contract = library::workspace().join("tests/harness/dct_harness/contract");
     let mut files = Vec::new();
     for entry in MODELS {
-        files.push((
-            folder.join(format!("{}.xml", entry.name)),
-            (entry.describe)()?,
-        ));
+        let (name, text) = (format!("{}.xml", entry.name), (entry.describe)()?);
+        if CONTRACT.contains(&entry.name) {
+            files.push((contract.join(&name), text.clone()));
+        }
+        files.push((folder.join(name), text));
     }
     files.push((folder.join("VARIABLES.md"), variables_md::text()?));
     Ok(files)

@@ -14,6 +14,8 @@ from . import scenario as scenarios
 from .connections import check_types, resolve, types
 from .errors import FmuRuntimeError, HarnessError
 from .fmu import Fmu
+from .mapped import Mapped, apply_shared
+from .mapping import Mapping
 from .signals import describe
 from .system import System
 
@@ -34,11 +36,13 @@ def communication_points(step: float, stop: float) -> np.ndarray:
 class Run:
     """One run; after `execute`, also a failed one, `rows` holds the samples so far."""
 
-    def __init__(self, system: System, paths: dict[str, Path]) -> None:
-        self.system, self.paths = system, paths
+    def __init__(
+        self, system: System, paths: dict[str, Path], mapping: Mapping | None = None
+    ) -> None:
+        self.system, self.paths, self.mapping = system, paths, mapping
         self.names: list[str] = []
         self.rows = np.zeros((0, 0))
-        self.fmus: dict[str, Fmu] = {}
+        self.fmus: dict[str, Fmu | Mapped] = {}
         self.identities: dict[str, dict[str, str]] = {}
         self.discrete: set[str] = set()
         self.parameters: dict[str, dict[str, dict[str, Any]]] = {}
@@ -53,10 +57,19 @@ class Run:
             for name, path in self.paths.items():
                 self.fmus[name] = Fmu(name, path)
                 stack.callback(self.fmus[name].close)
-                self.identities[name] = self.fmus[name].identity()
+            self._map()
+            self.identities = {name: fmu.identity() for name, fmu in self.fmus.items()}
             self._wire()
             self._initialize()
             self._loop(progress)
+
+    def _map(self) -> None:
+        """Let the plant speak by our names, and share what others need to know of it."""
+        if self.mapping is None:
+            return
+        self.fmus["plant"] = Mapped(self.fmus["plant"], self.mapping)
+        given = {n: c.parameters for n, c in self.system.components.items()}
+        apply_shared(self.mapping, self.fmus["plant"], self.fmus, given)
 
     def _wire(self) -> None:
         """Lay out scenario signals and outputs in one vector, and where each input reads it."""

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import formats, junit, kpi, progress, results, system, watch
+from . import formats, junit, kpi, mapping, progress, results, system, watch
 from .arguments import Verbs, seconds, verb
 from .environment import environment
 from .errors import ConfigError, HarnessError
@@ -19,7 +19,8 @@ KPIS_JSON = "kpis.json"
 FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
 EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
 run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
-run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60"""
+run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60
+run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml"""
 
 
 def add(verbs: Verbs) -> None:
@@ -28,6 +29,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("system", type=Path, help="system file (.toml)")
     parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
+    parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
     parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
     parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
@@ -71,14 +73,26 @@ def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     model = system.load(args.system)
     if args.scenario:
         model.scenario = args.scenario
-    for text in args.set:
-        model.override(text)
     paths = {n: args.fmu_dir / c.fmu for n, c in model.components.items()}
     if args.plant:
         if "plant" not in paths:
             raise ConfigError(f"--plant: {args.system} has no component 'plant'")
         paths["plant"] = args.plant
-    return Run(model, paths), args.out or Path("target/results") / model.name
+    names = _mapping(args, model)
+    for text in args.set:
+        model.override(text)
+    return Run(model, paths, names), args.out or Path("target/results") / model.name
+
+
+def _mapping(args: argparse.Namespace, model: system.System) -> mapping.Mapping | None:
+    """Return the mapping of the command line, its values put into the system."""
+    if args.map is None:
+        return None
+    if "plant" not in model.components:
+        raise ConfigError(f"--map: {args.system} has no component 'plant'")
+    names = mapping.load(args.map)
+    names.apply(model)
+    return names
 
 
 def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | None:

@@ -39,20 +39,20 @@ def start_value(component: str, variable: Any, value: Any) -> Any:
     return value
 
 
-def _items(variable: Any) -> dict[str, int]:
+def items(variable: Any) -> dict[str, int]:
     """Return item name -> number of an enumeration."""
-    items = variable.declaredType.items if variable.declaredType else None
-    return {item.name: int(item.value) for item in items or ()}
+    listed = variable.declaredType.items if variable.declaredType else None
+    return {item.name: int(item.value) for item in listed or ()}
 
 
 def _number(component: str, variable: Any, item: str) -> int:
-    items = _items(variable)
-    if item not in items:
+    known = items(variable)
+    if item not in known:
         raise ConfigError(
             f"component '{component}': '{variable.name}' has no item '{item}' "
-            f"({', '.join(items)}).{did_you_mean(item, items)}"
+            f"({', '.join(known)}).{did_you_mean(item, known)}"
         )
-    return items[item]
+    return known[item]
 
 
 def parameters(slave: Any, variables: list[Any]) -> dict[str, dict[str, Any]]:
@@ -74,6 +74,6 @@ def _described(variable: Any, value: Any) -> dict[str, Any]:
     unit = unit_of(variable)
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
-    named = {number: item for item, number in _items(variable).items()}
+    named = {number: item for item, number in items(variable).items()}
     item = {"item": named[value]} if value in named else {}
     return {"value": bool(value) if variable.type == "Boolean" else value, "unit": unit, **item}

@@ -1,0 +1,53 @@
+"""What a plant shows to the other FMUs: the descriptions of DctPlant and DctObserver.
+
+The XML files beside this one are written by `cargo fmu describe`.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from fmpy import read_model_description
+
+from ..units import Unit, declared
+
+
+@dataclass(frozen=True)
+class Contract:
+    """Variables of a plant by name; `needed` are the outputs that the observer reads."""
+
+    description: Any
+    variables: dict[str, Any]
+    needed: frozenset[str]
+
+    def of(self, causality: str) -> dict[str, Any]:
+        """Return the variables of a causality by name."""
+        return {n: v for n, v in self.variables.items() if v.causality == causality}
+
+    def unit(self, name: str) -> Unit:
+        """Return the SI unit of a variable; the unit 1 where it has none."""
+        return declared(self.description, self.variables[name])[1] or Unit("1")
+
+
+def _read(name: str) -> Any:
+    """Read a description beside this file; fmpy takes archives only."""
+    text = resources.files(__package__).joinpath(f"{name}.xml").read_bytes()
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as file:
+        file.writestr("modelDescription.xml", text)
+    return read_model_description(archive)
+
+
+@cache
+def plant() -> Contract:
+    """Return what DctPlant shows and DctObserver reads."""
+    description, observer = _read("DctPlant"), _read("DctObserver")
+    variables = {v.name: v for v in description.modelVariables}
+    read = {v.name for v in observer.modelVariables if v.causality == "input"}
+    outputs = {n for n, v in variables.items() if v.causality == "output"}
+    return Contract(description, variables, frozenset(read & outputs))

@@ -1,0 +1,183 @@
+"""A supplier's plant under the names, units and codings of DctPlant."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .contract import plant as plant_contract
+from .errors import ConfigError, FmuRuntimeError, did_you_mean
+from .fmu import Fmu
+from .links import Link, Linker, Translation
+from .mapping import Entry, Mapping, theirs
+
+
+class Mapped:
+    """Stands in for an `Fmu`; everything that is not mapped stays the supplier's."""
+
+    def __init__(self, fmu: Fmu, mapping: Mapping) -> None:
+        self._fmu, self._mapping = fmu, mapping
+        contract = plant_contract()
+        linker = Linker(mapping, fmu.description, contract)
+        self._in = linker.links(mapping.inputs, "input")
+        self._out = linker.links({**mapping.outputs, **mapping.extra}, "output")
+        self._set = {k.ours.name: k for k in linker.links(mapping.parameters, "parameter")}
+        self._derived = [e for e in mapping.outputs.values() if e.terms]
+        self.inputs = [k.ours for k in self._in]
+        self.outputs = [k.ours for k in self._out]
+        self.outputs += [contract.variables[e.name] for e in self._derived]
+        self._units = {n: contract.unit(n).name for n in self._set}
+        self._refuse_two_sources()
+        self._choose(fmu)
+
+    def _choose(self, fmu: Fmu) -> None:
+        """Let the FMU exchange the mapped variables only."""
+        both = (("inputs", self._mapping.inputs), ("outputs", self._mapping.outputs))
+        for side, entries in both:
+            named = {**entries, **self._mapping.extra} if side == "outputs" else entries
+            chosen = set(theirs(named.values()))
+            setattr(fmu, side, [v for v in getattr(fmu, side) if v.name in chosen])
+
+    def _refuse_two_sources(self) -> None:
+        names = [k.theirs.name for k in self._in]
+        for name in names:
+            if names.count(name) > 1:
+                raise ConfigError(
+                    f"{self._mapping.path}: inputs: '{name}' of the FMU is given twice; keep one"
+                )
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the supplier's FMU has: name, path, log, wall_time, close, …"""
+        return getattr(self._fmu, name)
+
+    @property
+    def variables(self) -> dict[str, Any]:
+        """Parameters by our names; all of the supplier's by its names."""
+        return {**self._fmu.variables, **{n: k.ours for n, k in self._set.items()}}
+
+    def initialize(self, stop: float, values: dict[str, Any]) -> None:
+        """As `Fmu.initialize`, with names of ours (SI) or of the supplier (its units)."""
+        self._fmu.initialize(stop, dict(self._start(n, v) for n, v in values.items()))
+
+    def _start(self, name: str, value: Any) -> tuple[str, Any]:
+        links = {**{k.ours.name: k for k in self._in}, **self._set}
+        if name in links:
+            return links[name].theirs.name, _typed(links[name], value)
+        if name not in self._fmu.variables:
+            hint = did_you_mean(name, self._set)
+            raise ConfigError(
+                f"{self._mapping.path}: parameters: nothing stands for '{name}' = {value!r} of "
+                f"the system; map it, or list it in 'ignore'.{hint}"
+            )
+        return name, value
+
+    def shared(self, values: dict[str, Any]) -> dict[str, float]:
+        """Return the mapped parameters by our names in SI; `values` are what a run sets."""
+        found = {}
+        for name, link in self._set.items():
+            given = values.get(name, values.get(link.theirs.name))
+            if name in values:
+                found[name] = given
+            elif given is not None or link.theirs.start is not None:
+                found[name] = link.to_ours(float(link.theirs.start if given is None else given))
+        return found
+
+    def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """Attach our buffers, as `Fmu.bind`."""
+        self._ours = inputs, outputs
+        fmu = self._fmu
+        named = {v.name for v in self.inputs}
+        links = [k for k in self._in if k.ours.name in named]
+        written = {k.theirs.name for k in links}
+        fmu.inputs = [v for v in fmu.inputs if v.name in written]
+        self._theirs = np.zeros(len(fmu.inputs)), np.zeros(len(fmu.outputs))
+        fmu.bind(*self._theirs)
+        ours = [[v.name for v in side] for side in (self.inputs, self.outputs)]
+        theirs_ = [[v.name for v in side] for side in (fmu.inputs, fmu.outputs)]
+        self._send = Translation(links, ours[0], theirs_[0], outward=True)
+        self._receive = Translation(self._out, theirs_[1], ours[1], outward=False)
+        self._sums = [_Sum(e, ours[1]) for e in self._derived]
+
+    def set_inputs(self) -> None:
+        """Write our inputs to the FMU."""
+        self._translate(self._send, self._ours[0], self._theirs[0])
+        self._fmu.set_inputs()
+
+    def get_outputs(self) -> None:
+        """Read the FMU's outputs as ours."""
+        self._fmu.get_outputs()
+        self._received()
+
+    def step(self, t: float, h: float) -> None:
+        """Advance from `t` to `t + h` [s] with the bound buffers."""
+        self._translate(self._send, self._ours[0], self._theirs[0])
+        self._fmu.step(t, h)
+        self._received()
+
+    def _received(self) -> None:
+        self._translate(self._receive, self._theirs[1], self._ours[1])
+        for total in self._sums:
+            total(self._ours[1])
+
+    def _translate(self, translation: Translation, source: np.ndarray, target: np.ndarray) -> None:
+        try:
+            translation(source, target)
+        except LookupError as error:
+            raise FmuRuntimeError(
+                f"{self._fmu.name}: {error.args[0]} at t = {self._fmu.now!r} s; "
+                f"add it to {self._mapping.path}"
+            ) from error
+
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Return the supplier's parameters as they are, and the mapped ones as ours in SI."""
+        raw = self._fmu.parameters()
+        mapped = {n: k for n, k in self._set.items() if k.theirs.name in raw}
+        return {
+            **{n: {"value": k.to_ours(raw[k.theirs.name]["value"]), "unit": self._units[n]}
+               for n, k in mapped.items()},
+            **raw,
+        }  # fmt: skip
+
+    def identity(self) -> dict[str, str]:
+        """Return what `run.json` records of the FMU and of its mapping."""
+        return {**self._fmu.identity(), "mapping": str(self._mapping.path)}
+
+
+class _Sum:
+    """An output that is a weighted sum of others."""
+
+    def __init__(self, entry: Entry, names: list[str]) -> None:
+        self._to = names.index(entry.name)
+        self._terms = [(names.index(source), weight) for source, weight in entry.terms]
+
+    def __call__(self, outputs: np.ndarray) -> None:
+        outputs[self._to] = sum(weight * outputs[k] for k, weight in self._terms)
+
+
+def _typed(link: Link, value: Any) -> Any:
+    """Return the supplier's start value for one of ours, as the type it has there."""
+    if isinstance(value, str):
+        return value
+    kind = {"Real": float, "Boolean": bool}.get(link.theirs.type, int)
+    return kind(link.to_theirs(float(value)))
+
+
+def apply_shared(
+    mapping: Mapping, plant: Mapped, fmus: dict[str, Any], given: dict[str, dict[str, Any]]
+) -> None:
+    """Give components in `share` what they have as parameter and nobody set.
+
+    First what the mapping says under [known], then the plant's own parameters.
+    """
+    there = [fmus[name] for name in mapping.share if name in fmus]
+    names = {n for fmu in there for n in fmu.variables}
+    for name in mapping.known if there else ():
+        if name not in names:
+            hint = did_you_mean(name, names)
+            raise ConfigError(f"{mapping.path}: known: nobody in 'share' has '{name}'.{hint}")
+    values = {**plant.shared(given["plant"]), **mapping.known}
+    for fmu in there:
+        for name, value in values.items():
+            if name in fmu.variables and fmu.variables[name].causality == "parameter":
+                given[fmu.name].setdefault(name, value)

@@ -1,0 +1,66 @@
+"""Units: factor, offset and exponents, against numbers worked out by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from dct_harness.units import KNOWN, Unit, conversion, declared
+from fmpy.model_description import BaseUnit, ModelDescription, ScalarVariable, SimpleType
+from fmpy.model_description import Unit as FmiUnit
+
+
+@pytest.mark.parametrize(("unit", "value", "si", "in_si"), [
+    ("rpm", 60.0, "rad/s", 2 * math.pi),
+    ("1/min", 30.0, "rad/s", math.pi),
+    ("mm", 9.0, "m", 0.009),
+    ("bar", 12.0, "Pa", 1.2e6),
+    ("km/h", 36.0, "m/s", 10.0),
+    ("degC", 20.0, "K", 293.15),
+    ("degC", -273.15, "K", 0.0),
+    ("%", 5.0, "1", 0.05),
+    ("kN.m", 0.25, "N.m", 250.0),
+    ("deg", 180.0, "rad", math.pi),
+    ("kW", 1.5, "W", 1500.0),
+])  # fmt: skip
+def test_values_become_si_and_come_back(unit: str, value: float, si: str, in_si: float) -> None:
+    a, b = conversion(KNOWN[unit], KNOWN[si])
+    assert a * value + b == pytest.approx(in_si, rel=1e-14, abs=1e-12)
+    a, b = conversion(KNOWN[si], KNOWN[unit])
+    assert a * in_si + b == pytest.approx(value, rel=1e-14, abs=1e-12)
+
+
+@pytest.mark.parametrize(("source", "target", "said"), [
+    ("mm", "Pa", "'mm' (m) cannot become 'Pa' (kg m-1 s-2)"),
+    ("rpm", "m/s", "'rpm' (s-1 rad) cannot become 'm/s' (m s-1)"),
+    ("%", "rad", "'%' (1) cannot become 'rad' (rad)"),
+])  # fmt: skip
+def test_quantities_do_not_mix(source: str, target: str, said: str) -> None:
+    with pytest.raises(ValueError, match="cannot become") as caught:
+        conversion(KNOWN[source], KNOWN[target])
+    assert str(caught.value) == said
+
+
+def _described(name: str, base: BaseUnit | None, **more: object) -> tuple[str, Unit | None]:
+    description = ModelDescription(unitDefinitions=[FmiUnit(name=name, baseUnit=base)])
+    return declared(description, ScalarVariable(name="v", valueReference=0, **more))
+
+
+def test_the_fmus_own_base_unit_counts_before_the_name() -> None:
+    base = BaseUnit(K=1, factor="0.5555555555555556", offset="255.3722222222222")
+    name, unit = _described("degF", base, unit="degF")
+    assert name == "degF"
+    assert unit.factor * 212 + unit.offset == pytest.approx(373.15)
+    assert _described("mm", BaseUnit(m=1, factor=2e-3), unit="mm")[1].factor == 2e-3
+
+
+def test_a_name_without_base_unit_is_looked_up() -> None:
+    assert _described("rpm", None, unit="rpm")[1] == KNOWN["rpm"]
+    assert _described("furlong", None, unit="furlong") == ("furlong", None)
+    assert _described("rpm", None) == ("", None)
+
+
+def test_a_unit_of_the_type_counts_and_a_difference_has_no_offset() -> None:
+    kind = SimpleType(name="T", unit="degC", relativeQuantity=True)
+    _, unit = _described("degC", BaseUnit(K=1, offset=273.15), declaredType=kind)
+    assert (unit.factor, unit.offset) == (1.0, 0.0)
