@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import shutil
-from ctypes import CFUNCTYPE, c_char_p, c_int, c_void_p, cast
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from fmpy import calloc, extract, fmi2, free, read_model_description
 
 Value = float | int | bool
-
-
-# ctypes has no varargs; on x86-64 and AArch64 Linux the first one is passed like a sixth argument.
-LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_void_p)
 
 
 class Message(NamedTuple):
@@ -46,15 +41,11 @@ class Instance:
         shutil.rmtree(self._folder)
 
     def _callbacks(self) -> Any:
-        def logger(_env: Any, _name: Any, *said: Any) -> None:
-            status, category, text, argument = said
-            if text == b"%s":
-                text = cast(argument, c_char_p).value
+        def logger(_env: Any, _name: Any, status: int, category: bytes, text: bytes) -> None:
             self.log.append(Message(status, category.decode(), text.decode()))
 
-        self._logger = LOGGER(logger)
         callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = cast(self._logger, fmi2.fmi2CallbackLoggerTYPE)
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger)
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
         return callbacks

@@ -119,6 +119,13 @@ pub enum Error {
     Serialised(&'static str),
     /// A pointer is null or misaligned, or a length is absurd.
     Pointer(&'static str),
+    /// An FMU state was freed, is in use, is not of this FMU, or there is no room for another one.
+    State,
+    /// The same variable twice in one call.
+    Duplicate {
+        /// Its name.
+        variable: &'static str,
+    },
     /// A log category is none of the model description's.
     UnknownCategory,
     /// `fmi2Instantiate` was given something it cannot accept.
@@ -208,6 +215,8 @@ impl fmt::Display for Error {
             Self::Model(failure) => failure.fmt(f),
             Self::Serialised(fault) => write!(f, "serialised FMU state {fault}"),
             Self::Pointer(argument) => write!(f, "argument {argument} is no valid pointer"),
+            Self::State => f.write_str("argument FMUstate is no live state of this FMU"),
+            Self::Duplicate { variable } => write!(f, "{variable} is set twice in one call"),
             Self::UnknownCategory => f.write_str("a log category is not in the model description"),
             Self::Instantiate(fault) => f.write_str(fault),
             Self::Guid => f.write_str("GUID differs: library and model description do not match"),

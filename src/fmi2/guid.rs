@@ -8,7 +8,12 @@ use core::fmt::Write;
 /// GUID of model `M`, as in `modelDescription.xml`: `{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}`.
 #[must_use]
 pub fn guid<M: Model>() -> String {
-    let digits = format!("{:032x}", table_hash::<M>());
+    text(table_hash::<M>())
+}
+
+/// The GUID that [`table_hash`] makes.
+pub(crate) fn text(hash: u128) -> String {
+    let digits = format!("{hash:032x}");
     let mut text = String::from("{");
     for (index, digit) in digits.chars().enumerate() {
         if matches!(index, 8 | 12 | 16 | 20) {

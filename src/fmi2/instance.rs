@@ -36,6 +36,20 @@ impl<M: Model> Instance<M> {
         self.now.time
     }
 
+    /// `fmi2GetRealStatus`: the time under status kind `fmi2LastSuccessfulTime` [s].
+    ///
+    /// # Errors
+    /// For another kind, and before the first communication point.
+    pub fn last_successful_time(&self, kind: i32) -> Result<f64, Error> {
+        const LAST_SUCCESSFUL_TIME: i32 = 2;
+        self.permit(Call::GetRealStatus)?;
+        if kind == LAST_SUCCESSFUL_TIME {
+            Ok(self.now.time)
+        } else {
+            Err(Error::NoStatus(kind))
+        }
+    }
+
     /// Whether the life cycle allows a call now.
     ///
     /// # Errors
@@ -135,13 +149,15 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetXXX`: checks everything, then writes everything.
     ///
     /// # Errors
-    /// For a reference of another type, a row that may not be set now, and a value out of range.
+    /// For a reference of another type or one that is there twice, a row that may not be set now, and
+    /// a value out of range.
     pub fn set<T: Value>(
         &mut self,
         references: &[u32],
         values: impl Iterator<Item = T> + Clone,
     ) -> Result<(), Error> {
         self.permit(T::SET)?;
+        distinct::<M>(references)?;
         for (&reference, value) in references.iter().zip(values.clone()) {
             let (row, _) = find::<M, T>(M::VARIABLES, reference)?;
             settable(row, self.now.state)?;
@@ -166,6 +182,7 @@ impl<M: Model> Instance<M> {
         values: &[f64],
     ) -> Result<(), Error> {
         self.permit(Call::SetRealInputDerivatives)?;
+        distinct::<M>(references)?;
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let (row, _) = derivative::<M>(reference, order, |row| row.rate)?;
             finite(row.name, value)?;
@@ -300,6 +317,23 @@ impl<M: Model> Instance<M> {
         self.now.state = State::Error;
         Error::Model(failure)
     }
+}
+
+/// Refuses a variable that is to be set twice in one call. References in ascending order, the usual
+/// case, are compared once each.
+fn distinct<M: Model>(references: &[u32]) -> Result<(), Error> {
+    let mut largest = None;
+    for (index, reference) in references.iter().enumerate() {
+        if largest >= Some(reference) && references.iter().take(index).any(|r| r == reference) {
+            let row = usize::try_from(*reference)
+                .ok()
+                .and_then(|at| M::VARIABLES.get(at));
+            let variable = row.map_or("a value reference", |row| row.name);
+            return Err(Error::Duplicate { variable });
+        }
+        largest = largest.max(Some(reference));
+    }
+    Ok(())
 }
 
 fn is_computed<M>(row: &Variable<M>) -> bool {

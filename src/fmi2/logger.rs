@@ -65,22 +65,36 @@ impl Filter {
         Self([on; Category::ALL.len()])
     }
 
-    /// The named categories only.
-    pub(crate) fn only<'a>(names: impl Iterator<Item = &'a CStr>) -> Result<Self, Error> {
-        let mut filter = Self::all(false);
-        for name in names {
-            let mut known = filter.0.iter_mut().zip(Category::ALL);
-            let (enabled, _) = known
-                .find(|(_, category)| category.c_name() == name)
-                .ok_or(Error::UnknownCategory)?;
-            *enabled = true;
+    /// What `fmi2SetDebugLogging` asks for: on with the named categories only, or off with them;
+    /// all of them when none is named.
+    pub(crate) fn requested<'a>(
+        self,
+        on: bool,
+        names: impl Iterator<Item = &'a CStr>,
+    ) -> Result<Self, Error> {
+        let named = Self::named(names)?;
+        if named == Self::all(false) {
+            return Ok(Self::all(on));
+        }
+        let mut filter = if on { Self::all(false) } else { self };
+        for (enabled, named) in filter.0.iter_mut().zip(named.0) {
+            if named {
+                *enabled = on;
+            }
         }
         Ok(filter)
     }
 
-    /// What this one blocks.
-    pub(crate) fn inverted(self) -> Self {
-        Self(self.0.map(|enabled| !enabled))
+    fn named<'a>(names: impl Iterator<Item = &'a CStr>) -> Result<Self, Error> {
+        let mut filter = Self::all(false);
+        for name in names {
+            let mut known = filter.0.iter_mut().zip(Category::ALL);
+            let (named, _) = known
+                .find(|(_, category)| category.c_name() == name)
+                .ok_or(Error::UnknownCategory)?;
+            *named = true;
+        }
+        Ok(filter)
     }
 
     pub(crate) fn passes(&self, category: Category) -> bool {
@@ -91,8 +105,8 @@ impl Filter {
     }
 }
 
-/// A finished message: `%` and `#`, which have a meaning for importers, are doubled; what does not
-/// fit is cut off between characters.
+/// A finished message: `%` and `#`, which have a meaning for importers, are doubled, so that it is a
+/// format string that prints itself; what does not fit is cut off between characters.
 pub(crate) struct Text {
     bytes: [u8; CAPACITY],
     length: usize,
@@ -176,16 +190,22 @@ mod tests {
     }
 
     #[test]
-    fn filter_passes_what_is_named_only() {
-        let filter = Filter::only([c"logStatusError"].into_iter()).unwrap();
-        let passed: Vec<_> = Category::ALL
-            .into_iter()
-            .filter(|c| filter.passes(*c))
-            .collect();
-        assert_eq!(passed, [Category::Error]);
-        assert_eq!(
-            Filter::only([c"logAll"].into_iter()),
-            Err(Error::UnknownCategory)
-        );
+    fn a_filter_passes_what_is_asked_for() {
+        const ERROR: &CStr = c"logStatusError";
+        let passed = |filter: Filter| -> Vec<_> {
+            let passes = |category: &Category| filter.passes(*category);
+            Category::ALL.into_iter().filter(passes).collect()
+        };
+        let asked = |filter: Filter, on, names: &[&CStr]| {
+            passed(filter.requested(on, names.iter().copied()).unwrap())
+        };
+        let all = Category::ALL.len();
+        assert_eq!(asked(Filter::all(true), true, &[ERROR]), [Category::Error]);
+        assert_eq!(asked(Filter::all(false), true, &[]).len(), all);
+        assert_eq!(asked(Filter::all(true), false, &[]), []);
+        assert_eq!(asked(Filter::all(true), false, &[ERROR]).len(), all - 1);
+        assert_eq!(asked(Filter::all(false), false, &[ERROR]), []);
+        let unknown = Filter::all(true).requested(true, [c"logAll"].into_iter());
+        assert_eq!(unknown, Err(Error::UnknownCategory));
     }
 }

@@ -237,7 +237,7 @@ class Fmu:
             self.log.append({
                 "component": self.name, "time": self.now, "status": STATUS[status],
                 "category": (category or b"").decode("utf-8", "replace"),
-                "message": (message or b"").decode("utf-8", "replace"),
+                "message": _plain((message or b"").decode("utf-8", "replace")),
             })  # fmt: skip
 
         callbacks = fmi2.fmi2CallbackFunctions()
@@ -259,6 +259,11 @@ class Fmu:
     def remove_directory(self) -> None:
         """Remove the unpacked archive only."""
         shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def _plain(message: str) -> str:
+    """Return a message without the doubling of the characters that a C importer would format."""
+    return message.replace("%%", "%").replace("##", "#")
 
 
 def _release(slave: Any, instantiated: bool, stepping: bool) -> None:

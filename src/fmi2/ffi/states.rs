@@ -1,0 +1,134 @@
+//! FMU states at the C boundary: made, restored, freed, turned into bytes and back.
+
+use super::pointer::{place, slice, slice_mut};
+use super::{Library, Status, handed_out};
+use crate::saved::Saved;
+use crate::{Call, Error, Model};
+use core::ffi::c_void;
+use core::ptr::null_mut;
+
+impl<M: Model> Library<M> {
+    /// `fmi2GetFMUstate`: makes a state, or overwrites the one that `*state` holds.
+    pub unsafe fn get_state(&self, component: *mut c_void, state: *mut *mut c_void) -> Status {
+        self.enter(component, Call::GetFMUstate, |instance, _| {
+            // SAFETY: the importer's promise.
+            self.put_state(unsafe { place("FMUstate", state)? }, || instance.save())
+        })
+    }
+
+    /// `fmi2SetFMUstate`.
+    pub fn set_state(&self, component: *mut c_void, state: *mut c_void) -> Status {
+        self.enter(component, Call::SetFMUstate, |instance, _| {
+            self.with_state(state, |saved| instance.restore(saved))
+        })
+    }
+
+    /// `fmi2FreeFMUstate`: a NULL state is none.
+    pub unsafe fn free_state(&self, component: *mut c_void, state: *mut *mut c_void) -> Status {
+        self.enter(component, Call::FreeFMUstate, |instance, _| {
+            instance.permit(Call::FreeFMUstate)?;
+            // SAFETY: the importer's promise.
+            let state = unsafe { place("FMUstate", state)? };
+            if !state.is_null() {
+                let entered = self.states.enter(state.addr()).ok_or(Error::State)?;
+                *state = null_mut();
+                // SAFETY: made from a `Box` by `put_state`; nobody finds it any more.
+                drop(unsafe { Box::from_raw(self.states.give_back(entered)) });
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2SerializedFMUstateSize`.
+    pub unsafe fn state_size(
+        &self,
+        component: *mut c_void,
+        state: *mut c_void,
+        size: *mut usize,
+    ) -> Status {
+        self.enter(component, Call::SerializedFMUstateSize, |instance, _| {
+            instance.permit(Call::SerializedFMUstateSize)?;
+            // SAFETY: the importer's promise.
+            let size = unsafe { place("size", size)? };
+            self.with_state(state, |saved| {
+                *size = saved.to_bytes().len();
+                Ok(())
+            })
+        })
+    }
+
+    /// `fmi2SerializeFMUstate`.
+    pub unsafe fn serialize_state(
+        &self,
+        component: *mut c_void,
+        state: *mut c_void,
+        bytes: *mut u8,
+        size: usize,
+    ) -> Status {
+        self.enter(component, Call::SerializeFMUstate, |instance, _| {
+            instance.permit(Call::SerializeFMUstate)?;
+            self.with_state(state, |saved| {
+                let saved = saved.to_bytes();
+                if size < saved.len() {
+                    return Err(Error::Pointer("size"));
+                }
+                // SAFETY: the importer's promise; no more than the state's size is touched.
+                unsafe { slice_mut("serializedState", bytes, saved.len())? }
+                    .copy_from_slice(&saved);
+                Ok(())
+            })
+        })
+    }
+
+    /// `fmi2DeSerializeFMUstate`.
+    pub unsafe fn deserialize_state(
+        &self,
+        component: *mut c_void,
+        bytes: *const u8,
+        size: usize,
+        state: *mut *mut c_void,
+    ) -> Status {
+        self.enter(component, Call::DeSerializeFMUstate, |instance, _| {
+            instance.permit(Call::DeSerializeFMUstate)?;
+            // A size that no state of this model has is refused before a byte is read.
+            if size != instance.save()?.to_bytes().len() {
+                return Err(Error::Serialised(
+                    "has another length than those of this model",
+                ));
+            }
+            // SAFETY: the importer's promise.
+            let bytes = unsafe { slice("serializedState", bytes, size)? };
+            // SAFETY: the importer's promise.
+            let state = unsafe { place("FMUstate", state)? };
+            self.put_state(state, || Saved::from_bytes(bytes))
+        })
+    }
+
+    /// What a state's token stands for.
+    fn with_state(
+        &self,
+        state: *mut c_void,
+        body: impl FnOnce(&mut Saved<M>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let entered = self.states.enter(state.addr()).ok_or(Error::State)?;
+        // SAFETY: made from a `Box` by `put_state`, and `entered` keeps everybody else out.
+        body(unsafe { &mut *entered.value })
+    }
+
+    /// Puts a saved state behind an importer's pointer: NULL, or one of our states.
+    fn put_state(
+        &self,
+        target: &mut *mut c_void,
+        make: impl FnOnce() -> Result<Saved<M>, Error>,
+    ) -> Result<(), Error> {
+        if target.is_null() {
+            let token = self.states.insert(Box::new(make()?));
+            *target = handed_out(Some(token.ok_or(Error::State)?));
+            return Ok(());
+        }
+        self.with_state(*target, |saved| {
+            *saved = make()?;
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,157 @@
+//! Variables at the C boundary: typed access, derivatives, the status of the last step.
+
+use super::pointer::{place, slice, slice_mut};
+use super::{Library, Status};
+use crate::value::Value;
+use crate::{Call, Error, Model};
+use core::ffi::{c_int, c_void};
+
+impl<M: Model> Library<M> {
+    /// `fmi2GetReal`, `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`.
+    pub unsafe fn get<T: Value, A: From<T>>(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *mut A,
+    ) -> Status {
+        self.enter(component, T::GET, |instance, log| {
+            plausible::<M>(count)?;
+            // SAFETY: the importer's promise.
+            let references = unsafe { slice("vr", references, count)? };
+            // SAFETY: the importer's promise.
+            let values = unsafe { slice_mut("value", values, count)? };
+            let read = instance.get::<T>(references, log)?;
+            for (to, from) in values.iter_mut().zip(read) {
+                *to = from.into();
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2SetReal`, `fmi2SetInteger` and, with `A` an int, `fmi2SetBoolean`.
+    pub unsafe fn set<T: Value, A: Copy>(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *const A,
+        convert: fn(A) -> T,
+    ) -> Status {
+        self.enter(component, T::SET, |instance, _| {
+            plausible::<M>(count)?;
+            // SAFETY: the importer's promise.
+            let references = unsafe { slice("vr", references, count)? };
+            // SAFETY: the importer's promise.
+            let values = unsafe { slice("value", values, count)? };
+            instance.set(references, values.iter().map(|value| convert(*value)))
+        })
+    }
+
+    /// `fmi2GetString` and `fmi2SetString`: there are no strings, so only empty calls are legal.
+    pub unsafe fn strings(
+        &self,
+        component: *mut c_void,
+        call: Call,
+        references: *const u32,
+        count: usize,
+    ) -> Status {
+        self.enter(component, call, |instance, _| {
+            instance.permit(call)?;
+            plausible::<M>(count)?;
+            // SAFETY: the importer's promise.
+            let references = unsafe { slice("vr", references, count)? };
+            references.first().map_or(Ok(()), |&reference| {
+                Err(Error::UnknownReference {
+                    reference,
+                    kind: "String",
+                })
+            })
+        })
+    }
+
+    /// `fmi2SetRealInputDerivatives`.
+    pub unsafe fn set_input_derivatives(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        orders: *const c_int,
+        values: *const f64,
+    ) -> Status {
+        self.enter(component, Call::SetRealInputDerivatives, |instance, _| {
+            plausible::<M>(count)?;
+            // SAFETY: the importer's promise.
+            let (references, orders) = unsafe { derivatives(references, orders, count)? };
+            // SAFETY: the importer's promise.
+            let values = unsafe { slice("value", values, count)? };
+            instance.set_input_derivatives(references, orders, values)
+        })
+    }
+
+    /// `fmi2GetRealOutputDerivatives`.
+    pub unsafe fn get_output_derivatives(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        orders: *const c_int,
+        values: *mut f64,
+    ) -> Status {
+        self.enter(
+            component,
+            Call::GetRealOutputDerivatives,
+            |instance, log| {
+                plausible::<M>(count)?;
+                // SAFETY: the importer's promise.
+                let (references, orders) = unsafe { derivatives(references, orders, count)? };
+                // SAFETY: the importer's promise.
+                let values = unsafe { slice_mut("value", values, count)? };
+                let read = instance.output_derivatives(references, orders, log)?;
+                for (to, from) in values.iter_mut().zip(read) {
+                    *to = from;
+                }
+                Ok(())
+            },
+        )
+    }
+
+    /// `fmi2GetRealStatus(fmi2LastSuccessfulTime)`; the other kinds are not known.
+    pub unsafe fn real_status(
+        &self,
+        component: *mut c_void,
+        kind: c_int,
+        value: *mut f64,
+    ) -> Status {
+        self.enter(component, Call::GetRealStatus, |instance, _| {
+            let time = instance.last_successful_time(kind)?;
+            // SAFETY: the importer's promise.
+            *unsafe { place("value", value)? } = time;
+            Ok(())
+        })
+    }
+}
+
+/// Value references and orders of derivatives.
+unsafe fn derivatives<'a>(
+    references: *const u32,
+    orders: *const c_int,
+    count: usize,
+) -> Result<(&'a [u32], &'a [c_int]), Error> {
+    // SAFETY: the importer's promise.
+    unsafe {
+        Ok((
+            slice("vr", references, count)?,
+            slice("order", orders, count)?,
+        ))
+    }
+}
+
+/// Refuses counts that no call without repetition can have.
+fn plausible<M: Model>(count: usize) -> Result<(), Error> {
+    if count > M::VARIABLES.len() {
+        Err(Error::Pointer("nvr"))
+    } else {
+        Ok(())
+    }
+}
