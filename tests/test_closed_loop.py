@@ -20,7 +20,7 @@ ENERGY_LIMIT = 1e-6  # of the turnover, promised
 LOST_LIMIT = 1e-6  # of the energy lost in the clutches: as the balance it is part of
 EQUAL_INPUTS = 1e-10  # of the largest value: positions.csv interpolates with 10 digits
 BETTER = 4.0  # the adaptive estimate against the map-based one, promised
-TRACKING_RATIO = 0.5  # with feedback / without, promised
+TRACKING_RATIO = 0.25  # with feedback / without, promised
 ENGAGED, SLIPPING = 3, 2
 
 TORQUES = ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
@@ -28,6 +28,9 @@ CASES = ("paper_case1", "paper_case2")
 TRACKING_CASES = ("torque_tracking_case1", "torque_tracking_case2")
 REFERENCES = {"paper_compliant": (), "paper_rigid": ("plant.transmission.rigid=true",)}
 GRADE = "observer.load.method=1"  # (11) with the known grade: the exact load torque
+FADES = {"clutch1": (1.6, 2.5), "clutch2": (9.6, 10.4)}  # s: it slips, the other is open
+FRICTION_LIMIT = 0.007  # of the learnt friction coefficient while it fades at 0.06 and 0.08 1/s
+FADE_CASES = ("friction_fade_case1", "friction_fade_case2")
 LIMITS = {"paper_case1": (12.0, 14.0, 3.0), "paper_case2": (16.0, 19.0, 3.5)}  # % of RMS
 
 
@@ -143,9 +146,9 @@ def _tracking(runs: Runs, case: str, feedback: bool) -> Results:
     return runs(case, f"control.feedback.enabled={str(feedback).lower()}")
 
 
-@pytest.mark.parametrize("case", TRACKING_CASES)
+@pytest.mark.parametrize("case", TRACKING_CASES + FADE_CASES)
 @pytest.mark.parametrize("clutches", [("clutch1",), ("clutch2",), ("clutch1", "clutch2")])
-def test_feedback_halves_the_tracking_error(
+def test_feedback_quarters_the_tracking_error(
     runs: Runs, case: str, clutches: tuple[str, ...]
 ) -> None:
     closed, opened = (
@@ -154,7 +157,7 @@ def test_feedback_halves_the_tracking_error(
     assert closed <= TRACKING_RATIO * opened
 
 
-@pytest.mark.parametrize("case", TRACKING_CASES)
+@pytest.mark.parametrize("case", TRACKING_CASES + FADE_CASES)
 @pytest.mark.parametrize("clutch", ["clutch1", "clutch2"])
 def test_friction_is_learnt_but_never_in_an_engaged_clutch(
     runs: Runs, case: str, clutch: str
@@ -168,8 +171,18 @@ def test_friction_is_learnt_but_never_in_an_engaged_clutch(
     assert np.abs(change[engaged[1:] & engaged[:-1]]).max() == 0
 
 
-@pytest.mark.parametrize("case", CASES + TRACKING_CASES)
+@pytest.mark.parametrize("clutch", FADES)
+def test_the_observer_follows_friction_that_fades(runs: Runs, clutch: str) -> None:
+    loop, (start, end) = _tracking(runs, FADE_CASES[0], feedback=True), FADES[clutch]
+    inside = (loop.time >= start) & (loop.time <= end)
+    fading = loop[f"scenario.{clutch}.kineticFriction"][inside]
+    assert np.ptp(fading) > 2 * FRICTION_LIMIT
+    error = loop[f"observer.{clutch}.friction"][inside] - fading
+    assert np.abs(error).max() <= FRICTION_LIMIT
+
+
+@pytest.mark.parametrize("case", CASES + TRACKING_CASES + FADE_CASES)
 def test_the_observer_trusts_itself_and_the_fmus_have_nothing_to_say(runs: Runs, case: str) -> None:
-    loop = _tracking(runs, case, feedback=True) if case in TRACKING_CASES else runs(case)
+    loop = runs(case) if case in CASES else _tracking(runs, case, feedback=True)
     assert loop["observer.status.valid"].all()
     assert [m for m in loop.run["log"] if m["category"] != "logEvents"] == []

@@ -111,3 +111,23 @@ def test_events_are_the_changes_of_integer_outputs(tmp_path: Path, lag_library: 
     assert run(write_system(tmp_path, "0.01", "time,n\n0,3\n0.0045,-5\n"), tmp_path).returncode == 0
     events = results.load(tmp_path / "out").run["events"]
     assert [(e["time"], e["from"], e["to"]) for e in events] == [(0.001, 0, 6), (0.006, 6, -10)]
+
+
+def test_a_tunable_parameter_follows_its_scenario_column(tmp_path: Path, lag_library: Path) -> None:
+    """tau jumps from 1 s to 0.5 s half-way; the lag then answers twice as fast."""
+    tunable = variable("tau", 2, "parameter", "1").replace('"fixed"', '"tunable"')
+    write_fmu(tmp_path / "Lag.fmu", lag_library, (*LAG[:2], tunable, *LAG[3:]))
+    scenario = "time,u,tau\n0,2,1\n0.499,2,1\n0.5,2,0.5\n"
+    done = run(write_system(tmp_path, "1.0", scenario), tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = results.load(tmp_path / "out")
+    exponent = np.minimum(found.time, 0.5) + 2 * np.maximum(found.time - 0.5, 0)
+    assert np.abs(found["plant.x"] - 2 * (1 - np.exp(-exponent))).max() < 1e-12
+    assert {"from": "scenario.tau", "to": "plant.tau"} in found.run["wiring"]
+
+
+def test_a_fixed_parameter_has_no_scenario_column(tmp_path: Path, lag_library: Path) -> None:
+    write_fmu(tmp_path / "Lag.fmu", lag_library)
+    done = run(write_system(tmp_path, "0.01", "time,u,tau\n0,2,9\n"), tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [w["to"] for w in results.load(tmp_path / "out").run["wiring"]] == ["plant.u"]

@@ -1,6 +1,6 @@
-"""Write positions.csv and torque_tracking.csv beside this file (the paper's Fig. 9, scripted).
+"""Write positions.csv, torque_tracking.csv and friction_fade.csv (the paper's Fig. 9, scripted).
 
-Run `python make_scenarios.py`; it needs numpy only. The knots below are the one source of both.
+Run `python make_scenarios.py`; it needs numpy only. The knots below are the one source of all.
 """
 
 from __future__ import annotations
@@ -26,6 +26,11 @@ MAPS = (
 )
 KINETIC_FRICTION = (0.26, 0.22)
 EFFECTIVE_RADIUS = 0.095
+# Linings that fade while they slip, and recover: clutch 1 in the launch, clutch 2 in both shifts.
+FADING = (
+    "(0,.26)(1.2,.26)(2.2,.2)(4,.2)(8,.26)(30,.26)",
+    "(0,.22)(8.9,.22)(9.8,.15)(10.6,.15)(14,.22)(16.3,.22)(17.4,.16)(18.5,.16)(24,.22)(30,.22)",
+)  # s, mu_k
 SAMPLE = 0.01  # s; the capacity bends with the map between the position's knots
 
 Signal = tuple[str, np.ndarray]
@@ -79,6 +84,8 @@ def main() -> None:
     fine = np.unique(np.round(np.concatenate([bends, grid]), 9))
     requests = [(f"clutch{k + 1}.torqueRequest", capacity(k, fine)) for k in (0, 1)]
     write("torque_tracking.csv", fine, requests)
+    faded = [(f"clutch{k + 1}.kineticFriction", at(FADING[k], fine)) for k in (0, 1)]
+    write("friction_fade.csv", fine, requests + faded)
 
 
 if __name__ == "__main__":

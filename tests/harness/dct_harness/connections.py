@@ -1,4 +1,8 @@
-"""Which source each FMU input reads: a [[connections]] entry, an equal name, the scenario."""
+"""Which source each FMU input reads: a [[connections]] entry, an equal name, the scenario.
+
+A tunable parameter counts as an input where the scenario has a column of its name: friction that
+fades during a shift, say.
+"""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ import shutil
 import tempfile
 import time
 import zipfile
+from collections.abc import Collection
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -108,6 +109,12 @@ class Fmu:
         """Return variables of a causality, reals first, then integers, then booleans."""
         found = [v for v in self.description.modelVariables if v.causality == causality]
         return [v for group in GROUPS for v in found if group_of(v) == group]
+
+    def steer(self, names: Collection[str]) -> None:
+        """Take the tunable parameters among `names` as inputs: they change during the run."""
+        steered = [v for v in self.description.modelVariables if v.causality == "parameter"
+                   and v.variability == "tunable" and v.name in names]  # fmt: skip
+        self.inputs = sorted([*self.inputs, *steered], key=lambda v: GROUPS.index(group_of(v)))
 
     def identity(self) -> dict[str, str]:
         """Return what `run.json` records of the FMU."""

@@ -74,6 +74,8 @@ class Run:
     def _wire(self) -> None:
         """Lay out scenario signals and outputs in one vector, and where each input reads it."""
         script = scenarios.load(self.system.scenario)
+        for fmu in self.fmus.values():
+            fmu.steer(script.signals)
         self.times = communication_points(self.system.step, self.system.stop)
         self.sources = resolve(self.system, self.fmus, list(script.signals))
         check_types(self.system, self.fmus, self.sources, script)
