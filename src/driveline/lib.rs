@@ -15,6 +15,7 @@ pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;
 pub mod reduced;
+mod rung;
 mod shaft;
 
 pub use clutch::ForceMap;

@@ -3,7 +3,7 @@
 //! In: engine torque, normal forces of the clutches, brake torque, grade. Out: speeds, torques,
 //! clutch states, energies. Between events the motion is exact but for T_v(ω_w), which is a ramp over
 //! each block of time that meets (11) at both ends: second order. Lock-up, break-away, change of the
-//! sign of the slip and opening are located to h/2^12 and never smeared.
+//! sign of the slip and opening are located to h/4^6 and never smeared.
 //!
 //! ```
 //! use dct_driveline::{Params, integrate::Propagators, plant::{Input, InputRate, Plant}};
@@ -20,7 +20,7 @@
 //! ```
 
 use crate::Params;
-use crate::integrate::{LADDER, Propagators, Rung, TICKS};
+use crate::integrate::{LADDER, Propagators, Rung, TICKS, level, ticks};
 use crate::plant_block::{Block, torques};
 use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Load, Mode, project, resolve, stuck_set};
@@ -97,7 +97,7 @@ impl Plant {
                 continue;
             }
             self.accept(&propagators.systems, rung, &block);
-            (now, cap, done) = (block.input_end, LADDER, done + (1 << level));
+            (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
             if !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
@@ -205,7 +205,7 @@ impl Plant {
 
     /// Moves to the end of a block and books its work.
     fn accept(&mut self, systems: &Systems, rung: &Rung, block: &Block) {
-        let work = rung.work(&block.z);
+        let work = block.motion.work(&block.z);
         self.work.engine += work[0];
         self.work.friction[0] += work[1];
         self.work.friction[1] += work[2];
@@ -224,14 +224,4 @@ impl Plant {
             }
         }
     }
-}
-
-/// Level of the longest block that starts `offset` ticks into a piece and fits into `rest` ticks.
-fn level(offset: u32, rest: u32) -> usize {
-    let aligned = if offset == 0 {
-        u32::BITS
-    } else {
-        offset.trailing_zeros()
-    };
-    aligned.min(rest.ilog2()) as usize
 }

@@ -1,7 +1,7 @@
 //! One block of the plant's motion: ramps of the torques over it, and the guards at its ends.
 
 use crate::Params;
-use crate::integrate::{Augmented, Rung};
+use crate::integrate::{Augmented, Motion, Rung};
 use crate::plant::Plant;
 use crate::plant_matrices::{STATES, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
@@ -27,6 +27,7 @@ pub(crate) fn torques(
 pub(crate) struct Block {
     t: f64,
     pub(crate) z: Augmented,
+    pub(crate) motion: Motion,
     pub(crate) x_end: State,
     input: Input,
     pub(crate) input_end: Input,
@@ -51,11 +52,15 @@ impl Block {
         z.fixed_rows_mut::<TORQUES>(STATES).copy_from(&v);
         z.fixed_rows_mut::<TORQUES>(STATES + TORQUES)
             .copy_from(&v_dot);
-        z[STATES + 2 * TORQUES - 1] = load_ramp(p, rung, &z, &input_end);
+        let mut motion = rung.motion(&z);
+        let ramp = load_ramp(p, rung, &z, &motion, &input_end);
+        rung.add_load_ramp(&mut motion, ramp);
+        z[STATES + 2 * TORQUES - 1] = ramp;
         Self {
             t: rung.t,
             z,
-            x_end: rung.end(&z),
+            motion,
+            x_end: motion.end(&z),
             input: *input,
             input_end,
             rate: *rate,
@@ -142,9 +147,9 @@ fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
 }
 
 /// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method.
-fn load_ramp(p: &Params, rung: &Rung, z: &Augmented, input_end: &Input) -> f64 {
+fn load_ramp(p: &Params, rung: &Rung, z: &Augmented, motion: &Motion, input_end: &Input) -> f64 {
     let t_v = z[STATES + TORQUES - 1];
-    let held = rung.wheel_speed(z);
+    let held = motion.wheel_speed(z);
     let gain = rung.wheel_speed_by_load_ramp();
     let mut ramp = 0.0;
     for _ in 0..LOAD_ITERATIONS {

@@ -1,0 +1,325 @@
+//! One rung of the ladder: motion, work and losses over a fixed span, linear and quadratic in z.
+//!
+//! With z = (x, v, v') the state moves to x + X z. Below the rows of X stand those of the work
+//! integrals, so one pass over the columns gives motion and work:
+//!
+//! ```text
+//! rows 0..10   x(t) − x(0)
+//! rows 10..14  ∫ ω dτ     of ω_e, slip 1, slip 2, ω_w: what T_e, T_c1, T_c2, T_v work on
+//! rows 14..18  ∫ τ ω dτ   of the same
+//! ```
+//!
+//! Doubling a span uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
+//! r(2t) = r(t) + r(t) Ψ(t), but for the moments, which also gain t times the angles of the second
+//! half. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::plant_matrices::{
+    AUGMENTED, C, D, E, SPEEDS, STATES, State, System, TORQUES, Torques, W,
+};
+
+/// Terms of the exponential series: with ‖A t‖ ≤ 0.05 the next one is 0.05^10 / 10! < 1e-19.
+const SERIES_TERMS: u32 = 9;
+/// First row of the angles.
+const ANGLE: usize = STATES;
+/// First row of the moments.
+const MOMENT: usize = ANGLE + TORQUES;
+const ROWS: usize = MOMENT + TORQUES;
+/// First ramp among the columns.
+const RAMP: usize = STATES + TORQUES;
+/// Entries of the upper triangle of an (18, 18) matrix.
+const TRIANGLE: usize = AUGMENTED * (AUGMENTED + 1) / 2;
+
+/// State, torques and their ramps, shape (18).
+pub type Augmented = SVector<f64, AUGMENTED>;
+type Columns<const N: usize> = [[f64; N]; AUGMENTED];
+
+/// Where a rung leads from z: change of the state, angles, moments.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion([f64; ROWS]);
+
+impl Motion {
+    /// x(t).
+    pub fn end(&self, z: &Augmented) -> State {
+        State::from_fn(|i, _| z[i] + self.0[i])
+    }
+
+    /// ω_w(t) [rad/s].
+    pub fn wheel_speed(&self, z: &Augmented) -> f64 {
+        z[W] + self.0[W]
+    }
+
+    /// Work of T_e, T_c1, T_c2, T_v on ω_e, slip 1, slip 2, ω_w [J], shape (4).
+    pub fn work(&self, z: &Augmented) -> Torques {
+        Torques::from_fn(|q, _| {
+            z[STATES + q] * self.0[ANGLE + q] + z[RAMP + q] * self.0[MOMENT + q]
+        })
+    }
+}
+
+/// Motion over one level of the ladder with one choice of engaged clutches.
+#[derive(Debug, Clone, Copy)]
+pub struct Rung {
+    /// Time the rung spans [s].
+    pub t: f64,
+    /// What each entry of z adds to the motion.
+    columns: Columns<ROWS>,
+    /// ∫ viscous power dτ: upper triangle by columns, entries off the diagonal doubled.
+    viscous: [f64; TRIANGLE],
+}
+
+impl Rung {
+    /// A rung that leads nowhere.
+    pub(crate) const ZERO: Self = Self {
+        t: 0.0,
+        columns: [[0.0; ROWS]; AUGMENTED],
+        viscous: [0.0; TRIANGLE],
+    };
+
+    /// Motion from z; entries that are zero cost nothing.
+    pub fn motion(&self, z: &Augmented) -> Motion {
+        let mut rows = [0.0; ROWS];
+        for (column, &z) in self.columns.iter().zip(z.iter()) {
+            if z != 0.0 {
+                add(&mut rows, column, z);
+            }
+        }
+        Motion(rows)
+    }
+
+    /// Adds what a ramp of the load [N·m/s] does to a motion without one.
+    pub fn add_load_ramp(&self, motion: &mut Motion, ramp: f64) {
+        add(&mut motion.0, &self.columns[AUGMENTED - 1], ramp);
+    }
+
+    /// ∂ω_w(t) / ∂T_v' [s²/(kg·m²)]: effect of the ramp of the load on the wheel speed.
+    pub fn wheel_speed_by_load_ramp(&self) -> f64 {
+        self.columns[AUGMENTED - 1][W]
+    }
+
+    /// Energy lost in the dampers from z [J].
+    pub fn viscous_loss(&self, z: &Augmented) -> f64 {
+        let mut sum = 0.0;
+        let mut rest = &self.viscous[..];
+        for j in 0..AUGMENTED {
+            let (column, next) = rest.split_at(j + 1);
+            rest = next;
+            if z[j] != 0.0 {
+                sum += z[j] * dot(column, z.as_slice());
+            }
+        }
+        sum
+    }
+}
+
+/// `sum` + `scale` · `column`.
+fn add<const N: usize>(sum: &mut [f64; N], column: &[f64; N], scale: f64) {
+    for (sum, entry) in sum.iter_mut().zip(column) {
+        *sum += entry * scale;
+    }
+}
+
+/// Σ a b over the entries of `a`, in two lanes.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (pairs, rest) = a.as_chunks::<2>();
+    let (others, _) = b.as_chunks::<2>();
+    let mut lanes = [0.0; 2];
+    for ([a0, a1], [b0, b1]) in pairs.iter().zip(others) {
+        lanes[0] += a0 * b0;
+        lanes[1] += a1 * b1;
+    }
+    let last = rest.iter().zip(&b[2 * pairs.len()..]).map(|(a, b)| a * b);
+    lanes[0] + lanes[1] + last.sum::<f64>()
+}
+
+/// A rung while it is built: its columns, and the losses as a full matrix.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Builder {
+    t: f64,
+    columns: Columns<ROWS>,
+    loss: Columns<AUGMENTED>,
+}
+
+impl Builder {
+    /// A rung of a span [s] with ‖A t‖ ≤ 0.05, by series; losses by Gauss' rule of order 6.
+    pub(crate) fn base(system: &System, viscous: &SMatrix<f64, STATES, STATES>, t: f64) -> Self {
+        let mut new = Self {
+            t,
+            columns: [[0.0; ROWS]; AUGMENTED],
+            loss: [[0.0; AUGMENTED]; AUGMENTED],
+        };
+        let nodes = gauss();
+        let mut at_nodes = nodes.map(|_| identity());
+        let mut term = first_term(system, t);
+        add_worked(&mut new.columns, &identity(), [t, 0.5 * t * t]);
+        for k in 1..=SERIES_TERMS {
+            let order = f64::from(k);
+            let integrals = [t / (order + 1.0), t * t / (order + 2.0)];
+            add_worked(&mut new.columns, &term, integrals);
+            for (column, term) in new.columns.iter_mut().zip(&term) {
+                (0..STATES).for_each(|i| column[i] += term[i]);
+            }
+            for ((node, _), at_node) in nodes.iter().zip(&mut at_nodes) {
+                let power = (1..k).fold(*node, |power, _| power * node);
+                at_node
+                    .iter_mut()
+                    .zip(&term)
+                    .for_each(|(to, term)| add(to, term, power));
+            }
+            term = next_term(system, &term, t, order + 1.0);
+        }
+        for ((_, weight), psi) in nodes.iter().zip(&at_nodes) {
+            add_loss(&mut new.loss, viscous, psi, weight * t);
+        }
+        new
+    }
+
+    /// Turns this rung into one of twice the span; `active`: columns that are not zero.
+    pub(crate) fn double(&mut self, active: &[usize]) {
+        let old = *self;
+        let states = transposed(&old.columns);
+        for &j in active {
+            let mut second = old.columns[j];
+            through(&mut second, &old.columns, &old.columns[j], j, old.t);
+            for q in 0..TORQUES {
+                second[MOMENT + q] += old.t * second[ANGLE + q];
+            }
+            add(&mut self.columns[j], &second, 1.0);
+            let mut loss = old.loss[j];
+            through(&mut loss, &old.loss, &old.columns[j], j, old.t);
+            let half = loss;
+            for (row, entry) in states.iter().zip(half) {
+                add(&mut loss, row, entry);
+            }
+            for q in 0..TORQUES {
+                loss[RAMP + q] += old.t * half[STATES + q];
+            }
+            add(&mut self.loss[j], &loss, 1.0);
+        }
+        self.t = 2.0 * old.t;
+    }
+
+    /// The finished rung.
+    pub(crate) fn rung(&self) -> Rung {
+        let mut rung = Rung {
+            t: self.t,
+            columns: self.columns,
+            viscous: [0.0; TRIANGLE],
+        };
+        let mut rest = &mut rung.viscous[..];
+        for (j, column) in self.loss.iter().enumerate() {
+            let (place, next) = rest.split_at_mut(j + 1);
+            for (i, place) in place.iter_mut().enumerate() {
+                *place = column[i] + if i == j { 0.0 } else { self.loss[i][j] };
+            }
+            rest = next;
+        }
+        rung
+    }
+}
+
+/// Columns that are not zero with the clutches of `set` engaged: their torques do not count.
+pub(crate) const fn active(set: usize) -> &'static [usize] {
+    match set & 3 {
+        0 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17],
+        1 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 13, 14, 16, 17],
+        2 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 14, 15, 17],
+        _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13, 14, 17],
+    }
+}
+
+/// Adds to `sum` the column j of R (Ψ − 1), R given by its columns and Ψ − 1 by its own `change`.
+fn through<const N: usize>(
+    sum: &mut [f64; N],
+    columns: &Columns<N>,
+    change: &[f64; ROWS],
+    j: usize,
+    t: f64,
+) {
+    for (column, entry) in columns.iter().zip(&change[..STATES]) {
+        add(sum, column, *entry);
+    }
+    if j >= RAMP {
+        add(sum, &columns[j - TORQUES], t);
+    }
+}
+
+/// Rows of the state out of the columns.
+fn transposed(columns: &Columns<ROWS>) -> [[f64; AUGMENTED]; STATES] {
+    core::array::from_fn(|i| core::array::from_fn(|j| columns[j][i]))
+}
+
+fn identity() -> Columns<STATES> {
+    core::array::from_fn(|j| core::array::from_fn(|i| f64::from(u8::from(i == j))))
+}
+
+/// t (A B 0): the first term of Ψ − 1.
+fn first_term(system: &System, t: f64) -> Columns<STATES> {
+    core::array::from_fn(|j| match j {
+        0..STATES => system.a.column(j).into_owned().data.0[0].map(|a| a * t),
+        STATES..RAMP => system.b.column(j - STATES).into_owned().data.0[0].map(|b| b * t),
+        _ => [0.0; STATES],
+    })
+}
+
+/// A term of order k from the one before: A t / k times it; the ramps join at order 2.
+fn next_term(system: &System, term: &Columns<STATES>, t: f64, k: f64) -> Columns<STATES> {
+    let mut next = [[0.0; STATES]; AUGMENTED];
+    for (next, term) in next.iter_mut().zip(term) {
+        for (a, entry) in system.a.data.0.iter().zip(term) {
+            if *entry != 0.0 {
+                add(next, a, entry * t / k);
+            }
+        }
+    }
+    if k == 2.0 {
+        for q in 0..TORQUES {
+            next[RAMP + q] = term[STATES + q].map(|entry| entry * t / k);
+        }
+    }
+    next
+}
+
+/// Adds the worked speeds of a term to angles and moments, with the factors of both.
+fn add_worked(columns: &mut Columns<ROWS>, term: &Columns<STATES>, factor: [f64; 2]) {
+    for (column, x) in columns.iter_mut().zip(term) {
+        let worked = [x[E], x[D] - x[C], x[D] - x[C + 1], x[W]];
+        for (q, speed) in worked.into_iter().enumerate() {
+            column[ANGLE + q] += factor[0] * speed;
+            column[MOMENT + q] += factor[1] * speed;
+        }
+    }
+}
+
+/// Adds `weight` ψᵀ V ψ, V the viscous power of the speeds.
+fn add_loss(
+    loss: &mut Columns<AUGMENTED>,
+    viscous: &SMatrix<f64, STATES, STATES>,
+    psi: &Columns<STATES>,
+    weight: f64,
+) {
+    for (loss, column) in loss.iter_mut().zip(psi) {
+        let mut power = [0.0; STATES];
+        for (row, entry) in viscous.data.0.iter().zip(&column[..SPEEDS]) {
+            add(&mut power, row, entry * weight);
+        }
+        for (loss, other) in loss.iter_mut().zip(psi) {
+            *loss += other[..SPEEDS]
+                .iter()
+                .zip(&power)
+                .map(|(a, b)| a * b)
+                .sum::<f64>();
+        }
+    }
+}
+
+/// Nodes and weights of Gauss' three-point rule on [0, 1].
+fn gauss() -> [(f64, f64); 3] {
+    let reach = nalgebra::ComplexField::sqrt(0.6_f64);
+    [
+        (0.5 * (1.0 - reach), 5.0 / 18.0),
+        (0.5, 8.0 / 18.0),
+        (0.5 * (1.0 + reach), 5.0 / 18.0),
+    ]
+}
