@@ -15,6 +15,7 @@ from .errors import ConfigError, HarnessError
 from .master import Run
 
 KPI_FAILS = 1
+DETAILS = ("phase/", "state/", "event/")  # scopes that --verbose shows
 KPIS_JSON = "kpis.json"
 FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
 EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
@@ -173,5 +174,5 @@ def _say(
 
 def _whole(kpis: dict[str, Any]) -> dict[str, Any]:
     """Return the KPIs without those of single phases and clutch states."""
-    rows = [r for r in kpis["rows"] if not r["scope"].startswith(("phase/", "state/"))]
+    rows = [r for r in kpis["rows"] if not r["scope"].startswith(DETAILS)]
     return {**kpis, "rows": rows}

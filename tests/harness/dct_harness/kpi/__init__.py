@@ -10,7 +10,7 @@ from dataclasses import asdict
 from typing import Any
 
 from ..results import Results
-from . import estimation, limits, shift, tracking
+from . import estimation, handover, limits, shift, timing, tracking
 from .registry import KPIS, Kpi
 from .scopes import Phase, load_phases
 from .table import format_table
@@ -37,7 +37,7 @@ def compute(results: Results, run: dict[str, Any]) -> dict[str, Any]:
         `limits` (as rows, with relation, limit, pass); `verdict`.
     """
     phases = load_phases(results, run)
-    modules = (estimation, tracking, shift)
+    modules = (estimation, timing, tracking, shift, handover)
     rows = [row.as_dict() for module in modules for row in module.rows(results, phases)]
     judged = limits.judge(run, rows)
     return {

@@ -1,18 +1,16 @@
-"""Shift quality: jerk, friction energy, lock-up times, shift durations."""
+"""Shift quality: jerk, vibration dose, friction energy, lock-up times."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from ..results import Results
 from . import registry
+from .filters import low_pass, weight_d
 from .rows import Row, rms
 from .scopes import CLUTCHES, Phase, clutch_state, phase_masks
-
-FILTER_REACH = 4.0  # standard deviations of the Gaussian kept: the tail left is 6e-5
 
 
 def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
@@ -24,37 +22,41 @@ def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
             peak = float(np.abs(filtered[mask]).max())
             yield Row(registry.JERK_PEAK, "vehicle.acceleration", scope, peak)
             yield Row(registry.JERK_RMS, "vehicle.acceleration", scope, rms(filtered[mask]))
+    yield from _doses(results, scopes)
     for clutch in CLUTCHES:
         yield from _friction(results, clutch, scopes)
         yield from _lock_ups(results, clutch)
-    yield from _shifts(results)
 
 
 def jerk(results: Results) -> np.ndarray | None:
     """Return the filtered jerk [m/s³], shape (n,); None without acceleration or speed."""
-    time = results.time
-    if len(time) < 3:
+    values = acceleration(results)
+    if values is None:
+        return None
+    step = float(np.median(np.diff(results.time)))
+    return np.gradient(low_pass(values, step, registry.JERK_CUTOFF), results.time)
+
+
+def acceleration(results: Results) -> np.ndarray | None:
+    """Return the vehicle's acceleration [m/s²], shape (n,); from its speed if need be."""
+    if len(results.time) < 3:
         return None
     if "plant.vehicle.acceleration" in results:
-        acceleration = results["plant.vehicle.acceleration"]
-    elif "plant.vehicle.speed" in results:
-        acceleration = np.gradient(results["plant.vehicle.speed"], time)
-    else:
-        return None
-    step = float(np.median(np.diff(time)))
-    return np.gradient(low_pass(acceleration, step, registry.JERK_CUTOFF), time)
+        return results["plant.vehicle.acceleration"]
+    if "plant.vehicle.speed" in results:
+        return np.gradient(results["plant.vehicle.speed"], results.time)
+    return None
 
 
-def low_pass(values: np.ndarray, step: float, cutoff: float) -> np.ndarray:
-    """Filter with a zero-phase Gaussian, −3 dB at `cutoff` [Hz]; `step` [s]; ends held.
-
-    |H(f)| = exp(−(2π f σ)² / 2) with σ = sqrt(ln 2) / (2π cutoff).
-    """
-    sigma = math.sqrt(math.log(2)) / (2 * math.pi * cutoff) / step
-    reach = min(math.ceil(FILTER_REACH * sigma), len(values))
-    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
-    padded = np.pad(values, reach, mode="edge")
-    return np.convolve(padded, kernel / kernel.sum(), mode="valid")
+def _doses(results: Results, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
+    """Yield the vibration dose value per scope."""
+    values = acceleration(results)
+    if values is None:
+        return
+    step = float(np.median(np.diff(results.time)))
+    dose = step * weight_d(values, step) ** 4
+    for scope, mask in scopes.items():
+        yield Row(registry.DOSE, "vehicle.acceleration", scope, float(dose[mask].sum() ** 0.25))
 
 
 def friction_power(results: Results, clutch: str) -> np.ndarray | None:
@@ -94,20 +96,3 @@ def _lock_ups(results: Results, clutch: str) -> Iterator[Row]:
     locked = np.flatnonzero((state[:-1] == 2) & (state[1:] == 3)) + 1
     for count, k in enumerate(locked, 1):
         yield Row(registry.LOCK_UP, clutch, f"lock-up {count}", float(results.time[k]))
-
-
-def _shifts(results: Results) -> Iterator[Row]:
-    """Yield the time between two drives on different clutches, one engaged, the other open."""
-    states = [clutch_state(results, clutch) for clutch in CLUTCHES]
-    if any(state is None for state in states):
-        return
-    first, second = states
-    driving = np.where((first == 3) & (second == 1), 1, 0)
-    driving = np.where((second == 3) & (first == 1), 2, driving)
-    steady = np.flatnonzero(driving)
-    change = np.flatnonzero(np.diff(driving[steady]))
-    for count, k in enumerate(change, 1):
-        start, end = steady[k], steady[k + 1]
-        label = f"clutch{driving[start]} → clutch{driving[end]}"
-        duration = float(results.time[end] - results.time[start])
-        yield Row(registry.SHIFT_DURATION, label, f"shift {count}", duration)

@@ -9,6 +9,7 @@ from . import registry
 from .estimation import ESTIMATES, TORQUES
 
 UNDEFINED = "–"
+ERROR_KEYS = {kpi.key for kpi in registry.ERRORS}
 
 
 def number(value: float | None, digits: int) -> str:
@@ -49,10 +50,10 @@ def estimation_cells(kpis: dict[str, Any]) -> list[list[str]]:
 
 
 def other_cells(kpis: dict[str, Any]) -> list[list[str]]:
-    """Return KPI title, signal, scope, value, unit of all that is no estimation error."""
+    """Return KPI title, signal, scope, value, unit of all that is not in the table of errors."""
     return [
         [registry.BY_KEY[r["kpi"]].title, r["signal"], r["scope"], shown(r), r["unit"]]
-        for r in kpis["rows"] if not r["kpi"].startswith("estimation.")
+        for r in kpis["rows"] if r["kpi"] not in ERROR_KEYS
     ]  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..kpi import registry
 from ..kpi.estimation import TORQUES
-from ..kpi.table import ESTIMATION_HEAD, UNDEFINED, estimation_cells, number, shown
+from ..kpi.table import ERROR_KEYS, ESTIMATION_HEAD, UNDEFINED, estimation_cells, number, shown
 from .runs import View
 
 Json = dict[str, Any]
@@ -20,7 +20,7 @@ MATRIX = (
 
 def matrix(view: View) -> Json | None:
     """Return the estimation KPIs: a row per scope, five columns per torque."""
-    rows = [r for r in view.kpis["rows"] if r["kpi"].startswith("estimation.")]
+    rows = [r for r in view.kpis["rows"] if r["kpi"] in ERROR_KEYS]
     if not rows:
         return None
     values = {(r["scope"], r["signal"], r["kpi"], r["estimate"]): r for r in rows}
@@ -64,10 +64,10 @@ def scope_label(scope: str) -> str:
 
 
 def other_rows(view: View) -> list[Json]:
-    """Return tracking and shift-quality KPIs with their phases side by side."""
+    """Return timing, tracking and shift-quality KPIs with their phases side by side."""
     found: dict[tuple[str, str], Json] = {}
     for row in view.kpis["rows"]:
-        if row["kpi"].startswith("estimation."):
+        if row["kpi"] in ERROR_KEYS:
             continue
         kpi = registry.BY_KEY[row["kpi"]]
         line = found.setdefault(

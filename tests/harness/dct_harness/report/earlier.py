@@ -59,7 +59,7 @@ def _kpis(before: View, now: View) -> list[Json]:
     old = {_key(row): row for row in before.kpis["rows"]}
     found = []
     for row in now.kpis["rows"]:
-        if row["scope"].startswith(("phase/", "state/")) or _key(row) not in old:
+        if row["scope"].startswith(("phase/", "state/", "event/")) or _key(row) not in old:
             continue
         was = old[_key(row)]
         if shown(was) != shown(row):

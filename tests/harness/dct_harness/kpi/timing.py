@@ -1,0 +1,97 @@
+"""How late an estimate is, and how long it takes to settle after an event."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..results import Results
+from . import registry
+from .estimation import ESTIMATES, TORQUES
+from .rows import Row, rms
+from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, phase_masks, state_masks
+
+OBSERVER = "observer"
+
+
+def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
+    """Yield latency per scope and settling time per event of every torque the observer tells."""
+    moments = events(results)
+    for torque in TORQUES:
+        names = f"plant.{torque}", ESTIMATES[OBSERVER] + torque
+        if all(name in results for name in names):
+            truth, estimate = (results[name] for name in names)
+            scopes = phase_masks(results.time, phases) | state_masks(results, torque)
+            for scope, mask in scopes.items():
+                late = latency(truth, estimate, mask, results.time)
+                yield Row(registry.LATENCY, torque, scope, late, OBSERVER)
+            yield from _settling(results.time, truth, estimate, torque, moments)
+
+
+def latency(
+    truth: np.ndarray, estimate: np.ndarray, mask: np.ndarray, time: np.ndarray
+) -> float | None:
+    """Return the shift [s] that makes the estimate fit best; None where nothing can be told.
+
+    The mean square of T̂(t + τ) − T(t) is taken at every whole step and its minimum refined by a
+    parabola. It is undefined where T is nearly constant, or the minimum is at the longest shift.
+    """
+    whole = rms(truth)
+    if len(time) < 3 or not np.std(truth[mask]) > registry.LATENCY_VARIES * whole:
+        return None
+    step = float(np.median(np.diff(time)))
+    longest = round(registry.LATENCY_LONGEST / step)
+    index = np.flatnonzero(mask)
+    index = index[index < len(time) - longest]
+    if not len(index):
+        return None
+    there = truth[index]
+    costs = np.array([np.mean(np.square(estimate[index + k] - there)) for k in range(longest + 1)])
+    best = int(np.argmin(costs))
+    if best == longest:
+        return None
+    return step * (best + _vertex(*costs[best - 1 : best + 2])) if best else 0.0
+
+
+def _vertex(left: float, middle: float, right: float) -> float:
+    """Return where the parabola through three equidistant points has its minimum."""
+    bend = left - 2 * middle + right
+    return 0.5 * (left - right) / bend if bend > 0 else 0.0
+
+
+def events(results: Results) -> list[tuple[int, str]]:
+    """Return sample and name of each change of a clutch state, in order."""
+    found = []
+    for clutch in CLUTCHES:
+        state = clutch_state(results, clutch)
+        changes = np.flatnonzero(np.diff(state)) + 1 if state is not None else ()
+        found += [(int(k), f"{clutch} {STATES.get(int(state[k]), '?')}") for k in changes]
+    return sorted(found)
+
+
+def _settling(
+    time: np.ndarray, truth: np.ndarray, estimate: np.ndarray, torque: str,
+    moments: list[tuple[int, str]],
+) -> Iterator[Row]:  # fmt: skip
+    """Yield the settling time after each event, and the longest of them."""
+    inside = np.abs(estimate - truth) <= registry.SETTLED * rms(truth)
+    ends = [*(k for k, _ in moments), len(time) - 1][1:]
+    found = []
+    for count, ((k, name), end) in enumerate(zip(moments, ends, strict=True), 1):
+        if time[end] - time[k] >= registry.DWELL:
+            found.append(settling(time[k:end], inside[k:end]))
+            yield Row(registry.SETTLING, torque, f"event/{count} {name}", found[-1], OBSERVER)
+    if found:
+        longest = None if None in found else max(found)
+        yield Row(registry.SETTLING, torque, SCENARIO, longest, OBSERVER)
+
+
+def settling(time: np.ndarray, inside: np.ndarray) -> float | None:
+    """Return the time [s] until `inside` first holds for the dwell time; None if it never does."""
+    leaves = np.concatenate([np.flatnonzero(~inside), [len(time)]])
+    starts = np.concatenate([[0], leaves[:-1] + 1])
+    for start, end in zip(starts, leaves, strict=True):
+        if end > start and time[end - 1] - time[start] >= registry.DWELL:
+            return float(time[start] - time[0])
+    return None

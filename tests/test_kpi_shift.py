@@ -1,0 +1,133 @@
+"""Latency, settling, vibration dose and the parts of a shift against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from dct_harness import kpi
+from dct_harness.kpi import filters, registry
+from dct_harness.results import Results
+from test_kpi import ROUNDING, STEP, TIME, results, sine, states, value
+
+
+@pytest.mark.parametrize("late", [0.0, 0.001, 0.0075, 0.05])
+def test_latency_is_the_delay_of_a_delayed_sine(late: float) -> None:
+    truth = sine(40.0)
+    run = results(plant__clutch1__torque=truth,
+                  observer__clutch1__torque=40 * np.sin(2 * np.pi * (TIME - late)))  # fmt: skip
+    found = value(kpi.compute(run, {}), "estimation.latency", signal="clutch1.torque")
+    assert found == pytest.approx(late, abs=STEP / 100)  # the parabola refines one step
+
+
+@pytest.mark.parametrize("truth", [np.full_like(TIME, 40.0), np.zeros_like(TIME)])
+def test_constant_torque_tells_no_latency(truth: np.ndarray) -> None:
+    run = results(plant__clutch1__torque=truth, observer__clutch1__torque=truth + 1)
+    assert value(kpi.compute(run, {}), "estimation.latency") is None
+
+
+def test_latency_beyond_the_search_is_undefined() -> None:
+    run = results(plant__clutch1__torque=sine(40.0, 0.2),
+                  observer__clutch1__torque=40 * np.sin(0.4 * np.pi * (TIME - 0.6)))  # fmt: skip
+    assert value(kpi.compute(run, {}), "estimation.latency") is None
+
+
+def settled(decay: float, *, until: float = 10.0) -> dict:
+    """Return KPIs of an error that jumps to 20 % at 2 s and decays at a rate [1/s]."""
+    gone = np.where(TIME >= 2.0, 20 * np.exp(-decay * (TIME - 2.0)), 0.0)
+    truth = np.full_like(TIME, 100.0)
+    run = results(plant__clutch1__torque=truth, observer__clutch1__torque=truth + gone,
+                  plant__clutch1__state=states((0.0, 1), (2.0, 2), (until, 3)))  # fmt: skip
+    return kpi.compute(run, {})
+
+
+def test_settling_of_an_exponential_is_its_logarithm() -> None:
+    expected = math.log(20 / (100 * registry.SETTLED)) / 3.0
+    found = value(settled(3.0), "estimation.settling", "event/1 clutch1 slipping")
+    assert found == pytest.approx(expected, abs=STEP)
+    assert value(settled(3.0), "estimation.settling") == found
+
+
+def test_an_estimate_that_does_not_settle_before_the_next_event_is_undefined() -> None:
+    found = settled(0.1, until=4.0)
+    assert value(found, "estimation.settling", "event/1 clutch1 slipping") is None
+    assert value(found, "estimation.settling") is None
+    spoken = kpi.table.shown({"kpi": "estimation.settling", "value": None})
+    assert spoken == kpi.table.UNDEFINED
+
+
+# ISO 2631-1:1997, table 3: Wd in thousandths at one-third octaves [Hz].
+TABLE_3 = {0.5: 853, 0.8: 992, 1.0: 1011, 2.0: 890, 4.0: 512, 8.0: 253, 16.0: 125}
+
+
+@pytest.mark.parametrize(("frequency", "thousandths"), TABLE_3.items())
+def test_weighting_is_that_of_the_standard(frequency: float, thousandths: int) -> None:
+    found = abs(filters.weighting_d(np.array([frequency]))[0])
+    assert found == pytest.approx(thousandths / 1000, rel=0.02)  # exact frequencies are 10^(k/10)
+
+
+def test_vibration_dose_of_a_sine_is_its_fourth_power_mean() -> None:
+    frequency, amplitude = 4.0, 2.0
+    run = results(plant__vehicle__acceleration=sine(amplitude, frequency))
+    weighted = amplitude * abs(filters.weighting_d(np.array([frequency]))[0])
+    expected = weighted * (3 / 8 * TIME[-1]) ** 0.25  # mean of sin^4 is 3/8
+    assert value(kpi.compute(run, {}), "shift.vibrationDose") == pytest.approx(expected, rel=5e-3)
+
+
+def test_dose_grows_with_time_to_the_quarter() -> None:
+    def dose(count: int) -> float:
+        values = 2.0 * np.sin(8 * np.pi * TIME[:count])
+        run = Results({"time": TIME[:count], "plant.vehicle.acceleration": values}, {})
+        return value(kpi.compute(run, {}), "shift.vibrationDose")
+
+    assert dose(10001) / dose(5001) == pytest.approx(2**0.25, rel=5e-3)
+
+
+def upshift(**more: np.ndarray) -> dict:
+    """Return KPIs of a shift from 3 s to 6 s whose engine slows down from 4 s to 6 s."""
+    from_speed, to_speed = 300.0, 200.0
+    engine = np.interp(TIME, [4.0, 6.0], [from_speed, to_speed])
+    run = results(
+        plant__clutch1__state=states((0.0, 3), (4.0, 2), (5.0, 1)),
+        plant__clutch2__state=states((0.0, 1), (3.0, 2), (6.0, 3)),
+        plant__clutch1__slip=engine - from_speed, plant__clutch2__slip=engine - to_speed,
+        plant__clutch1__speed=np.full_like(TIME, from_speed),
+        plant__clutch2__speed=np.full_like(TIME, to_speed),
+        **{"plant__engine__speed": engine, **more},
+    )  # fmt: skip
+    return kpi.compute(run, {})
+
+
+def test_shift_splits_into_torque_and_inertia_phase() -> None:
+    found = upshift()
+    total = value(found, "shift.duration", "shift 1", signal="clutch1 → clutch2")
+    assert total == pytest.approx(3.0 + STEP, abs=ROUNDING)
+    inertia = value(found, "shift.inertiaPhase", "shift 1")
+    assert inertia == pytest.approx(0.9 * 2.0, abs=2 * STEP)  # 5 % to 95 % of 2 s
+    torque = value(found, "shift.torquePhase", "shift 1")
+    assert torque + inertia == pytest.approx(total, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_torque_hole_is_measured_from_the_line(sign: float) -> None:
+    line = np.interp(TIME, [3.0, 6.0], [500.0, 300.0])
+    dip = 120.0 * np.exp(-(((TIME - 4.5) / 0.3) ** 2))  # slow against the low-pass
+    found = upshift(plant__driveShaft__torque=sign * (line - dip))
+    assert value(found, "shift.torqueHole", "shift 1") == pytest.approx(120.0, rel=1e-2)
+    full = upshift(plant__driveShaft__torque=sign * line)
+    assert value(full, "shift.torqueHole", "shift 1") < 1.0
+
+
+def test_engine_flare_is_what_exceeds_both_synchronous_speeds() -> None:
+    assert value(upshift(), "shift.engineFlare", "shift 1") == 0.0
+    engine = np.full_like(TIME, 290.0) + 25.0 * np.exp(-(((TIME - 4.0) / 0.1) ** 2))
+    found = upshift(plant__engine__speed=engine)
+    assert value(found, "shift.engineFlare", "shift 1") == pytest.approx(15.0, rel=ROUNDING)
+
+
+def test_a_shift_without_slip_or_torque_still_has_its_duration() -> None:
+    run = results(plant__clutch1__state=states((0.0, 3), (4.0, 1)),
+                  plant__clutch2__state=states((0.0, 1), (5.0, 3)))  # fmt: skip
+    keys = {r["kpi"] for r in kpi.compute(run, {})["rows"] if r["scope"] == "shift 1"}
+    assert keys == {"shift.duration"}
