@@ -109,6 +109,23 @@ def test_a_wrong_mapping_is_refused_with_the_remedy(
     assert said in done.stderr
 
 
+def test_a_scenario_steers_a_tunable_parameter_of_the_supplier(
+    tmp_path: Path, lag_library: Path
+) -> None:
+    fixed = variable("nanAt", 4, "parameter", "1e9")
+    tunable = tuple(fixed.replace("fixed", "tunable") if v == fixed else v for v in CODED)
+    supplier = write_fmu(tmp_path / "T.fmu", lag_library, tunable)
+    old = '"engine.inertia" = { variable = "tau", unit = "kg.m2" }'
+    new = '"clutch1.kineticFriction" = { variable = "nanAt", factor = 0.5 }'
+    head = "time,engine.torque,shaft1.gear,clutch1.kineticFriction\n"
+    system = write_system(tmp_path, scenario=f"{head}0,200,1,0.25\n9,200,1,0.25\n")
+    text = GOOD.replace(old, new)
+    (tmp_path / "m.toml").write_text(text)
+    done = run(system, tmp_path, "--plant", supplier, "--map", tmp_path / "m.toml")
+    assert done.returncode == 4
+    assert "plant.vehicle.speed is nan at t = 0.501 s" in done.stderr  # nanAt is 0.25 / 0.5 s
+
+
 def test_an_input_given_twice_is_refused(tmp_path: Path, supplier: Path) -> None:
     text = GOOD.replace("[outputs]", '"brake.torque" = { variable = "u", unit = "N.m" }\n[outputs]')
     done = mapped(tmp_path, supplier, text)

@@ -6,19 +6,18 @@ import ctypes
 import hashlib
 import os
 import shutil
-import tempfile
 import time
-import zipfile
 from collections.abc import Collection
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import fmpy
 import numpy as np
-from fmpy import fmi2, read_model_description
+from fmpy import fmi2
 
 from . import values as single
+from .archive import described, unpack
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
 from .loader import explain
 from .values import group_of
@@ -26,27 +25,6 @@ from .values import group_of
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 GROUPS = ("Real", "Integer", "Boolean")
 LAST_MESSAGES = 5
-
-
-def extract(path: Path) -> Path:
-    """Unpack an FMU into a new temporary directory; refuses members that would leave it."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            for name in archive.namelist():
-                parts = PurePosixPath(name.replace("\\", "/"))
-                if parts.is_absolute() or ".." in parts.parts or ":" in name:
-                    raise FmuInvalidError(f"{path}: archive member '{name}' leaves the archive")
-            directory = Path(tempfile.mkdtemp(prefix="dct-harness-"))
-            try:
-                archive.extractall(directory)
-            except BaseException:
-                shutil.rmtree(directory, ignore_errors=True)
-                raise
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot read the FMU: {error.strerror or error}") from error
-    except zipfile.BadZipFile as error:
-        raise FmuInvalidError(f"{path}: is not an FMU (not a ZIP archive)") from error
-    return directory
 
 
 class Fmu:
@@ -61,7 +39,7 @@ class Fmu:
         self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
         self._instantiated = False
         self._stepping = False
-        self._directory = extract(path)
+        self._directory = unpack(path)
         try:
             self._open()
         except BaseException:
@@ -69,15 +47,8 @@ class Fmu:
             raise
 
     def _open(self) -> None:
-        try:
-            self.description = read_model_description(self._directory)
-        except Exception as error:
-            raise FmuInvalidError(f"{self.path}: modelDescription.xml: {error}") from error
-        if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
-            raise FmuInvalidError(f"{self.path}: is not an FMI 2.0 co-simulation FMU")
+        self.description = described(self.path)
         identifier = self.description.coSimulation.modelIdentifier
-        if Path(identifier).name != identifier:
-            raise FmuInvalidError(f"{self.path}: modelIdentifier '{identifier}' is a path")
         if fmpy.platform not in fmpy.supported_platforms(self._directory):
             raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}")
         self.variables = {v.name: v for v in self.description.modelVariables}

@@ -83,7 +83,7 @@ class Linker:
         order = ("Boolean", "Integer", "Real")
         known = group_of(source) in order and group_of(target) in order
         wider = known and order.index(group_of(source)) <= order.index(group_of(target))
-        coded = "Enumeration" in (ours.type, theirs.type) and ours is not theirs
+        coded = items(ours) != items(theirs)
         if not wider or (coded and entry.name in self._contract.variables):
             raise self._error(
                 entry, f"is {theirs.type}, ours is {ours.type}; say with a table which value "

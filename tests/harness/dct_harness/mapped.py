@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,17 @@ class Mapped:
     def variables(self) -> dict[str, Any]:
         """Parameters by our names; all of the supplier's by its names."""
         return {**self._fmu.variables, **{n: k.ours for n, k in self._set.items()}}
+
+    def steer(self, names: Collection[str]) -> None:
+        """Take our names of the supplier's tunable parameters as inputs."""
+        more = [k for n, k in self._set.items() if n in names and k.theirs.variability == "tunable"]
+        self._in += more
+        self.inputs += [k.ours for k in more]
+        self._fmu.steer({k.theirs.name for k in more})
+
+    def sets(self, name: str) -> bool:
+        """Return whether a parameter of ours is mapped."""
+        return name in self._set
 
     def initialize(self, stop: float, values: dict[str, Any]) -> None:
         """As `Fmu.initialize`, with names of ours (SI) or of the supplier (its units)."""

@@ -5,15 +5,13 @@ The XML files beside this one are written by `cargo fmu describe`.
 
 from __future__ import annotations
 
-import io
-import zipfile
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
-from fmpy import read_model_description
-
+from ..archive import parsed
 from ..units import Unit, declared
 
 
@@ -35,12 +33,8 @@ class Contract:
 
 
 def _read(name: str) -> Any:
-    """Read a description beside this file; fmpy takes archives only."""
-    text = resources.files(__package__).joinpath(f"{name}.xml").read_bytes()
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w") as file:
-        file.writestr("modelDescription.xml", text)
-    return read_model_description(archive)
+    file = resources.files(__package__).joinpath(f"{name}.xml")
+    return parsed(Path(str(file)), file.read_bytes())
 
 
 @cache

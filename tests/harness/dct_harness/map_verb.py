@@ -1,0 +1,34 @@
+"""`dct-harness map`: a mapping file to start from, for a supplier's plant."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from . import results, skeleton
+from .archive import described
+from .arguments import Verbs, verb
+from .contract import plant
+from .errors import ConfigError
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    parser = verb(verbs, "map", make, "write a mapping file for a supplier's plant to start from",
+                  "map Supplier.fmu --out supplier.toml")  # fmt: skip
+    parser.add_argument("fmu", type=Path)
+    parser.add_argument("--out", type=Path, help="file to write (standard output)")
+
+
+def make(args: argparse.Namespace) -> int:
+    """Write the skeleton; an existing file is kept."""
+    text = skeleton.text(plant(), described(args.fmu), args.fmu)
+    if args.out is None:
+        sys.stdout.write(text)
+        return 0
+    if args.out.exists():
+        raise ConfigError(f"{args.out}: exists already; name another file or remove it")
+    results.write_text(args.out, text)
+    print(f"mapping to be completed: {args.out}")
+    return 0
