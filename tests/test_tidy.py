@@ -23,6 +23,8 @@ UNSAFE = {
     "src/fmi2/ffi/states.rs": "FMU states at that boundary",
     "src/fmi2/ffi/variables.rs": "variables at that boundary",
     "src/fmi2/ffi/tests.rs": "calls that boundary as an importer does",
+    "src/fmi2/ffi/tests/sequences.rs": "random calls at that boundary",
+    "src/fmi2/ffi/tests/saved.rs": "random calls with FMU states at that boundary",
     "src/fmi2/export.rs": "the tokens of the exported functions, which call ffi.rs",
     "examples/ecu_observer/lib.rs": "three exported C names: the attribute, and no unsafe block",
     "fmu-build/check/native.rs": "loads FMUs of any origin through their C interface",

@@ -5,6 +5,10 @@ use crate::{Experiment, Failure, StateFields, Unit, Variable};
 use core::cell::{Cell, RefCell};
 use core::ptr::null;
 
+mod saved;
+mod sequences;
+mod shadow;
+
 /// x grows by `u` per second; u above 100 makes it panic, which the table does not know.
 #[derive(Clone, Default)]
 struct Fuse {
@@ -78,6 +82,10 @@ unsafe extern "C" fn listen(
 const ENVIRONMENT: usize = 0x5a;
 
 fn instantiate_with(guid: &str, logging_on: bool) -> *mut c_void {
+    instantiate_in(&FMU, guid, logging_on)
+}
+
+fn instantiate_in<M: Model>(fmu: &'static Library<M>, guid: &str, logging_on: bool) -> *mut c_void {
     let listen: unsafe extern "C" fn(_, _, _, _, _) = listen;
     // SAFETY: a C caller passes the named arguments alike, variadic or not, on every platform the
     // tests run on.
@@ -91,7 +99,7 @@ fn instantiate_with(guid: &str, logging_on: bool) -> *mut c_void {
     };
     let guid = std::ffi::CString::new(guid).unwrap();
     // SAFETY: strings end with NUL; `callbacks` dies after the call, as the contract allows.
-    unsafe { FMU.instantiate(c"f".as_ptr(), 1, guid.as_ptr(), &callbacks, logging_on) }
+    unsafe { fmu.instantiate(c"f".as_ptr(), 1, guid.as_ptr(), &callbacks, logging_on) }
 }
 
 fn fuse() -> *mut c_void {
