@@ -73,6 +73,16 @@ pub enum Error {
         /// The package.
         package: String,
     },
+    /// `cargo metadata` failed or said what is not understood.
+    Metadata {
+        /// What it said.
+        said: String,
+    },
+    /// `SOURCE_DATE_EPOCH` is no number of seconds.
+    Epoch {
+        /// Its value.
+        value: String,
+    },
     /// This machine has no platform name in FMI 2.0.
     UnknownPlatform {
         /// Operating system and architecture.
@@ -136,6 +146,11 @@ impl fmt::Display for Error {
                     "{package} has no dynamic library; its crate-type must be cdylib"
                 )
             }
+            Self::Metadata { said } => write!(f, "`cargo metadata` failed: {}", said.trim_end()),
+            Self::Epoch { value } => write!(
+                f,
+                "SOURCE_DATE_EPOCH = {value} is no number of seconds since 1970"
+            ),
             Self::UnknownPlatform { platform } => {
                 write!(f, "FMI 2.0 has no name for the platform {platform}")
             }

@@ -11,7 +11,9 @@
 #![deny(unsafe_code)]
 
 mod archive;
+pub mod binary;
 mod check;
+mod content;
 mod description;
 mod error;
 pub mod library;
@@ -89,20 +91,11 @@ pub fn compare() -> Result<()> {
 /// When the library cannot be built or the file not be written.
 pub fn build(entry: &Entry, out: &Path) -> Result<PathBuf> {
     let (platform, extension) = library::platform()?;
-    let members = vec![
-        (
-            "modelDescription.xml".to_owned(),
-            (entry.describe)()?.into_bytes(),
-        ),
-        (
-            "documentation/index.html".to_owned(),
-            (entry.page)()?.into_bytes(),
-        ),
-        (
-            format!("binaries/{platform}/{}.{extension}", entry.name),
-            entry.library()?,
-        ),
-    ];
+    let mut members = content::members(entry)?;
+    let library = format!("binaries/{platform}/{}.{extension}", entry.name);
+    members.push((library, entry.library()?));
+    let needs = content::dependencies::text(&members).into_bytes();
+    members.push((content::dependencies::MEMBER.into(), needs));
     let path = out.join(format!("{}.fmu", entry.name));
     package(&path, members)?;
     Ok(path)

@@ -48,10 +48,12 @@ impl Entry {
     /// # Errors
     /// When cargo fails or the package makes no dynamic library.
     pub fn library(&self) -> Result<Vec<u8>> {
-        library::build(
-            self.package,
-            self.folder.map_or(library::workspace(), Path::new),
-        )
+        library::build(self.package, self.folder())
+    }
+
+    /// Folder in which cargo finds the package.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.map_or(library::workspace(), Path::new)
     }
 }
 

@@ -44,7 +44,7 @@ WALLS = {
 FMU_CRATES = {
     "dct-plant": "Plant", "dct-observer": "Observer", "dct-clutch-control": "ClutchControl",
 }  # fmt: skip
-OUTSIDE_AN_FMU = {"serde", "serde_json", "quick-xml", "zip", "fmi", "clap", "libloading"}
+OUTSIDE_AN_FMU = {"serde", "serde_json", "quick-xml", "zip", "fmi", "clap", "libloading", "object"}
 
 CARD = (
     "Cargo.toml", "src", "modelDescription", "fmu-build", "tests", "examples", "benches", "xtask",

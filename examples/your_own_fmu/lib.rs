@@ -51,6 +51,8 @@ const VARIABLES: &[V<Oven>] = &[
 impl Model for Oven {
     const NAME: &'static str = "Oven";
     const DESCRIPTION: &'static str = "A heated body that loses heat to the room";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [V<Self>] = VARIABLES;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,

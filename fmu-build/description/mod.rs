@@ -48,8 +48,10 @@ struct Document {
     guid: String,
     #[serde(rename = "@description")]
     description: &'static str,
-    #[serde(rename = "@version")]
+    #[serde(rename = "@version", skip_serializing_if = "str::is_empty")]
     version: &'static str,
+    #[serde(rename = "@license", skip_serializing_if = "str::is_empty")]
+    license: &'static str,
     #[serde(rename = "@generationTool")]
     generation_tool: &'static str,
     #[serde(rename = "@variableNamingConvention")]
@@ -76,7 +78,8 @@ fn document<M: Model>() -> Result<Document> {
         model_name: M::NAME,
         guid: fmi2_cosim::guid::<M>(),
         description: M::DESCRIPTION,
-        version: env!("CARGO_PKG_VERSION"),
+        version: M::VERSION,
+        license: M::LICENSE,
         generation_tool: GENERATION_TOOL,
         naming: "structured",
         co_simulation: CoSimulation::of::<M>(),

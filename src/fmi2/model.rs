@@ -15,6 +15,10 @@ pub trait Model: Clone + Default + Send + 'static {
     const NAME: &'static str;
     /// One sentence for the model description.
     const DESCRIPTION: &'static str;
+    /// Version of the model, e.g. `env!("CARGO_PKG_VERSION")`; empty: the description states none.
+    const VERSION: &'static str = "";
+    /// Licence of the model, e.g. `env!("CARGO_PKG_LICENSE")`; empty: the description states none.
+    const LICENSE: &'static str = "";
     /// The one table everything else is derived from. A row's index is its value reference.
     const VARIABLES: &'static [Variable<Self>];
     /// `DefaultExperiment` of the model description.

@@ -79,6 +79,8 @@ impl Model for ClutchControl {
     const NAME: &'static str = "DctClutchControl";
     const DESCRIPTION: &'static str =
         "Clutch control: requested clutch torques and estimated friction to actuator positions";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table!(ClutchControl:
         FEEDBACK, clutch::<0>(), clutch::<1>(), actuator::<_, 0>(), actuator::<_, 1>(),
     );

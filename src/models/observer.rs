@@ -93,6 +93,8 @@ impl Observer {
 impl Model for Observer {
     const NAME: &'static str = "DctObserver";
     const DESCRIPTION: &'static str = "Adaptive observer of both clutch torques and the drive-shaft torque of a dual-clutch driveline";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,

@@ -176,6 +176,8 @@ impl Model for Plant {
     const NAME: &'static str = "DctPlant";
     const DESCRIPTION: &'static str =
         "Driveline with dual-clutch transmission: engine, damper, two clutches, shafts, vehicle";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,

@@ -1,0 +1,41 @@
+//! What an FMU holds beside its libraries: description, documentation, licences, bill of materials.
+
+mod bom;
+pub(crate) mod date;
+pub(crate) mod dependencies;
+mod licenses;
+mod packages;
+
+use crate::Result;
+use crate::models::Entry;
+
+/// Names in the archive with their contents.
+pub(crate) type Members = Vec<(String, Vec<u8>)>;
+
+/// Everything of the FMU of `entry` that is the same on every platform.
+pub(crate) fn members(entry: &Entry) -> Result<Members> {
+    let linked = packages::linked(entry.package, entry.folder())?;
+    let mut members = vec![
+        text("modelDescription.xml", dated((entry.describe)()?)?),
+        text("documentation/index.html", (entry.page)()?),
+        text(bom::MEMBER, bom::text(entry.name, &linked)?),
+    ];
+    members.extend(licenses::members(entry.name, &linked)?);
+    Ok(members)
+}
+
+fn text(name: &str, contents: String) -> (String, Vec<u8>) {
+    (name.into(), contents.into_bytes())
+}
+
+/// The description with the date of the build, if one is given.
+fn dated(description: String) -> Result<String> {
+    const NEXT: &str = " variableNamingConvention=";
+    Ok(match date::given()? {
+        None => description,
+        Some(date) => {
+            let attribute = format!(" generationDateAndTime=\"{date}\"{NEXT}");
+            description.replacen(NEXT, &attribute, 1)
+        }
+    })
+}
