@@ -127,6 +127,7 @@ impl Vehicle {
                 a_v: self.frontal_area,
                 c_drag: self.drag_coefficient,
                 c_rr: self.rolling_resistance,
+                ..Params::TABLE_1.road
             },
             clutch: [0, 1].map(|i| self.clutch[i].params(&Params::TABLE_1.clutch[i])),
             ..Params::TABLE_1

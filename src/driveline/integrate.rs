@@ -15,6 +15,7 @@
 //! ```
 
 use crate::Params;
+use crate::coupling::Coupling;
 use crate::plant_matrices::Systems;
 pub use crate::rung::{Augmented, Motion, Rung};
 use crate::rung::{Builder, active};
@@ -59,9 +60,9 @@ pub struct Propagators {
 impl Propagators {
     /// Propagators of a driveline for a communication step.
     ///
-    /// `gear`: gears preselected on the two shafts, shape (2). `h`: communication step [s], > 0 and finite.
-    pub fn new(p: &Params, gear: [i32; 2], h: f64) -> Self {
-        let systems = Systems::new(p, gear);
+    /// `coupling`: what is connected, or the gears alone. `h`: communication step [s], > 0 and finite.
+    pub fn new(p: &Params, coupling: impl Into<Coupling>, h: f64) -> Self {
+        let systems = Systems::new(p, coupling);
         let mut new = Self {
             h,
             systems,
@@ -71,12 +72,12 @@ impl Propagators {
         new
     }
 
-    /// Turns these into the propagators of other gears or another step, in place.
+    /// Turns these into the propagators of another coupling or another step, in place.
     ///
     /// Same arguments as [`Self::new`].
-    pub fn rebuild(&mut self, p: &Params, gear: [i32; 2], h: f64) {
+    pub fn rebuild(&mut self, p: &Params, coupling: impl Into<Coupling>, h: f64) {
         self.h = h;
-        self.systems = Systems::new(p, gear);
+        self.systems = Systems::new(p, coupling);
         self.fill();
     }
 
@@ -86,9 +87,9 @@ impl Propagators {
         }
     }
 
-    /// Whether they serve a step of `h` [s] with these gears; within 1e-9 relative they do.
-    pub fn fits(&self, gear: [i32; 2], h: f64) -> bool {
-        self.systems.gear == gear && (h - self.h).abs() <= SAME_STEP * self.h
+    /// Whether they serve a step of `h` [s] with this coupling; within 1e-9 relative they do.
+    pub fn fits(&self, coupling: impl Into<Coupling>, h: f64) -> bool {
+        self.systems.coupling == coupling.into() && (h - self.h).abs() <= SAME_STEP * self.h
     }
 
     /// Rung at a level with the clutches of `stuck` (bit i: clutch i) engaged.

@@ -4,12 +4,14 @@
 
 pub mod clutch;
 pub mod control;
+pub mod coupling;
 pub mod identify;
 pub mod integrate;
 pub mod observer;
 pub mod params;
 pub mod plant;
 mod plant_block;
+mod plant_brake;
 mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;

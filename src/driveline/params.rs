@@ -98,13 +98,14 @@ pub struct RoadParams {
     pub c_drag: f64,
     /// C_rr: rolling resistance coefficient [1].
     pub c_rr: f64,
+    /// V_ε: speed over which rolling resistance turns its sign, tanh(V/V_ε) [m/s]; 0: at standstill it
+    /// holds the vehicle like dry friction.
+    pub v_eps: f64,
 }
 
 impl RoadParams {
     /// g: standard gravity of the paper's road load [m/s²].
     pub const GRAVITY: f64 = 9.81;
-    /// V_ε: speed at which rolling resistance has turned its sign, tanh(V/V_ε) [m/s].
-    pub const V_EPS: f64 = 0.05;
 }
 
 impl Params {
@@ -152,6 +153,7 @@ impl Params {
             a_v: 2.2,
             c_drag: 0.32,
             c_rr: 0.013,
+            v_eps: 0.05,
         },
         rigid: false,
     };

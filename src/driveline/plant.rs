@@ -10,18 +10,20 @@
 //!
 //! let p = Params::TABLE_1;
 //! let input = Input { t_e: 60.0, force: [1500.0, 0.0], gear: [1, 2], ..Input::default() };
-//! let propagators = Propagators::new(&p, input.gear, 1e-3);
+//! let mut propagators = Propagators::new(&p, input.gear, 1e-3);
 //! let mut plant = Plant::start(&p, &input, 90.0, 0.0);
 //! for _ in 0..100 {
-//!     plant.step(&p, &propagators, &input, &InputRate::default());
+//!     plant.step(&p, &mut propagators, &input, &InputRate::default());
 //! }
 //! let y = plant.outputs(&p, &propagators.systems, &input);
 //! assert!(y.slip[0] < 90.0 && y.vehicle_speed > 0.0);
 //! ```
 
 use crate::Params;
-use crate::integrate::{LADDER, Propagators, Rung, TICKS, level, ticks};
+use crate::coupling::{Coupling, Ladders};
+use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant_block::{Block, torques};
+use crate::plant_brake::drive_shaft_torque;
 use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Load, Mode, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
@@ -36,6 +38,8 @@ pub struct Plant {
     pub x: State,
     /// Modes of the two clutches, shape (2).
     pub modes: [Mode; 2],
+    /// Mode of the brake: it slides, or it holds the wheels.
+    pub brake: Mode,
     /// Work since the start.
     pub work: Work,
     /// Energy stored at the start [J].
@@ -56,42 +60,66 @@ impl Plant {
         let mut plant = Self {
             x,
             modes: [Mode::Open; 2],
+            brake: Mode::Open,
             work: Work::default(),
             stored_at_start: systems.stored_energy(&x),
         };
-        plant.resolve(p, &systems, input, &InputRate::default(), &Event::default());
+        let (held, none) = (InputRate::default(), Event::default());
+        plant.resolve_brake(p, input, &held, &none);
+        plant.resolve(p, &systems, input, &held, &none);
         plant
     }
 
-    /// Advances the plant by one communication step `propagators.h`.
+    /// What is connected to what with these gears.
     ///
-    /// `input`: inputs at the start of the step. `rate`: their derivatives over it.
-    pub fn step(&mut self, p: &Params, propagators: &Propagators, input: &Input, rate: &InputRate) {
-        self.step_observed(p, propagators, input, rate, |_, _, _| {});
+    /// `gear`: gears that act, shape (2).
+    pub fn coupling(&self, gear: [i32; 2]) -> Coupling {
+        let held = self.brake == Mode::Stuck;
+        Coupling { gear, held }
     }
 
-    /// Like [`Self::step`], and reports every instant at which clutches change their modes.
+    /// Modes of clutch 1, clutch 2 and the brake, shape (3).
+    pub fn all_modes(&self) -> [Mode; 3] {
+        [self.modes[0], self.modes[1], self.brake]
+    }
+
+    /// Advances the plant by the communication step of `ladders`.
     ///
-    /// `report`: called with the time since the start of the step [s], the modes before and after.
+    /// `input`: inputs at the start of the step. `rate`: their derivatives over it.
+    pub fn step(
+        &mut self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        input: &Input,
+        rate: &InputRate,
+    ) {
+        self.step_observed(p, ladders, input, rate, |_, _, _| {});
+    }
+
+    /// Like [`Self::step`], and reports every instant at which clutches or brake change their modes.
+    ///
+    /// `report`: called with the time since the start of the step [s] and [`Self::all_modes`] before
+    /// and after.
     pub fn step_observed(
         &mut self,
         p: &Params,
-        propagators: &Propagators,
+        ladders: &mut impl Ladders,
         input: &Input,
         rate: &InputRate,
-        mut report: impl FnMut(f64, [Mode; 2], [Mode; 2]),
+        mut report: impl FnMut(f64, [Mode; 3], [Mode; 3]),
     ) {
         let (mut now, mut rate) = (input.after(rate, 0.0), *rate);
         let (mut done, mut piece, mut events) = (0, 0, 0);
         let mut cap = LADDER;
-        let before = self.modes;
-        self.resolve(p, &propagators.systems, &now, &rate, &Event::default());
-        report(0.0, before, self.modes);
+        let before = self.all_modes();
+        self.resolve_all(p, ladders, &now, &rate, &Event::default());
+        report(0.0, before, self.all_modes());
         while done < TICKS {
+            let propagators = ladders.of(p, self.coupling(input.gear));
             let level = level(done - piece, TICKS - done).min(cap);
             let rung = propagators.rung(stuck_set(self.modes), level);
             let block = Block::new(p, self, rung, &now, &rate);
-            let (crossing, event) = block.events(p, &propagators.systems, self.modes);
+            let (crossing, event) = block.events(p, &propagators.systems, self.modes, self.brake);
             if crossing != Crossing::None && level > 0 && events < MAX_EVENTS {
                 cap = level - 1;
                 continue;
@@ -102,13 +130,10 @@ impl Plant {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
                 }
-                let before = self.modes;
-                self.resolve(p, &propagators.systems, &now, &rate, &event);
-                report(
-                    propagators.h * f64::from(done) / f64::from(TICKS),
-                    before,
-                    self.modes,
-                );
+                let before = self.all_modes();
+                let after = propagators.h * f64::from(done) / f64::from(TICKS);
+                self.resolve_all(p, ladders, &now, &rate, &event);
+                report(after, before, self.all_modes());
                 (piece, events) = (done, events + 1);
             }
         }
@@ -117,7 +142,12 @@ impl Plant {
     /// Outputs at the present instant with the inputs that act at it.
     pub fn outputs(&self, p: &Params, systems: &Systems, input: &Input) -> Output {
         let x = &self.x;
-        let t_v = input.load_torque(p, x[W]);
+        let held = self.brake == Mode::Stuck;
+        let t_v = if held {
+            drive_shaft_torque(p, x)
+        } else {
+            input.load_torque(p, x[W], self.brake_direction())
+        };
         let v = torques(p, self.modes, input.t_e, input.force, t_v);
         let system = &systems.by_stuck[stuck_set(self.modes)];
         let x_dot = system.derivative(x, &v);
@@ -125,7 +155,7 @@ impl Plant {
         let slip = self.slip();
         let [t_d, mut t_t @ .., t_o]: [f64; 4] = (systems.spring_torque * x).into();
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
-            t_t[i] = p.i_t(i, systems.gear[i]) * (t_c[i] - p.j_ct[i] * x_dot[C + i]);
+            t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * x_dot[C + i]);
         }
         Output {
             omega_e: x[E],
@@ -142,6 +172,7 @@ impl Plant {
             t_v,
             slip,
             state: self.modes.map(ClutchState::from),
+            held,
             friction_power: [t_c[0] * slip[0], t_c[1] * slip[1]],
             friction_energy: self.work.friction,
             energy_residual: self.energy_residual(systems),
@@ -173,6 +204,20 @@ impl Plant {
         engine - stored - one - two - viscous - synchroniser - load
     }
 
+    /// Takes the modes of brake and clutches that are consistent after `event`.
+    fn resolve_all(
+        &mut self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        input: &Input,
+        rate: &InputRate,
+        event: &Event,
+    ) {
+        self.resolve_brake(p, input, rate, event);
+        let systems = &ladders.of(p, self.coupling(input.gear)).systems;
+        self.resolve(p, systems, input, rate, event);
+    }
+
     /// Takes the modes that are consistent after `event` and removes the slip of engaged clutches.
     fn resolve(
         &mut self,
@@ -192,7 +237,7 @@ impl Plant {
         }
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);
-        let t_v = input.load_torque(p, self.x[W]);
+        let t_v = input.load_torque(p, self.x[W], self.brake.direction());
         let load = Load::new(
             p,
             Torques::from([input.t_e, 0.0, 0.0, t_v]),

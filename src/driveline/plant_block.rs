@@ -3,10 +3,13 @@
 use crate::Params;
 use crate::integrate::{Augmented, Motion, Rung};
 use crate::plant::Plant;
+use crate::plant_brake;
 use crate::plant_matrices::{STATES, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant_ports::{Input, InputRate};
 
+/// Index of the brake among guards.
+const BRAKE: usize = 2;
 /// Newton steps on the load at the end of a block; each squares the error left.
 const LOAD_ITERATIONS: u32 = 3;
 
@@ -44,7 +47,8 @@ impl Block {
         rate: &InputRate,
     ) -> Self {
         let input_end = input.after(rate, rung.t);
-        let t_v = input.load_torque(p, plant.x[W]);
+        let direction = plant.brake.direction();
+        let t_v = input.load_torque(p, plant.x[W], direction);
         let v = torques(p, plant.modes, input.t_e, input.force, t_v);
         let v_dot = torques(p, plant.modes, rate.t_e, rate.force, 0.0);
         let mut z = Augmented::zeros();
@@ -53,7 +57,10 @@ impl Block {
         z.fixed_rows_mut::<TORQUES>(STATES + TORQUES)
             .copy_from(&v_dot);
         let mut motion = rung.motion(&z);
-        let ramp = load_ramp(p, rung, &z, &motion, &input_end);
+        let ramp = load_ramp(rung, &z, &motion, |omega_w| {
+            let t_v = input_end.load_torque(p, omega_w, direction);
+            (t_v, input_end.load_slope(p, omega_w))
+        });
         rung.add_load_ramp(&mut motion, ramp);
         z[STATES + 2 * TORQUES - 1] = ramp;
         Self {
@@ -73,12 +80,13 @@ impl Block {
         p: &Params,
         systems: &Systems,
         modes: [Mode; 2],
+        brake: Mode,
     ) -> (Crossing, Event) {
         let mut worst = Crossing::None;
         let mut event = Event::default();
-        let start = self.guards(p, systems, modes, 0.0);
-        let end = self.guards(p, systems, modes, self.t);
-        for i in [0, 1] {
+        let start = self.guards(p, systems, modes, brake, 0.0);
+        let end = self.guards(p, systems, modes, brake, self.t);
+        for i in [0, 1, 2] {
             let crossing = [0, 1].map(|k| start[i][k].crossing(end[i][k], self.t));
             let found = crossing.map(|crossing| crossing == Crossing::Found);
             if crossing.contains(&Crossing::Possible) && worst == Crossing::None {
@@ -87,6 +95,11 @@ impl Block {
             if found != [false; 2] {
                 worst = Crossing::Found;
             }
+            if i == BRAKE {
+                event.wheel_reached = found[0] && brake != Mode::Stuck;
+                event.wheel_broken = found != [false; 2] && brake == Mode::Stuck;
+                continue;
+            }
             event.reached[i] = found[0] && modes[i] != Mode::Stuck;
             event.broken[i] = (found[0] || found[1]) && modes[i] == Mode::Stuck;
             event.opened[i] = found[1] && modes[i] != Mode::Stuck;
@@ -94,10 +107,17 @@ impl Block {
         (worst, event)
     }
 
-    /// Guards of both clutches at `t` = 0 or at the end of the block, shape (2, 2).
+    /// Guards of both clutches and the brake at `t` = 0 or at the end of the block, shape (3, 2).
     ///
     /// Slipping: slip in its direction, normal force. Stuck: capacity left forward and backward.
-    fn guards(&self, p: &Params, systems: &Systems, modes: [Mode; 2], t: f64) -> [[Guard; 2]; 2] {
+    fn guards(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        modes: [Mode; 2],
+        brake: Mode,
+        t: f64,
+    ) -> [[Guard; 2]; 3] {
         let system = &systems.by_stuck[stuck_set(modes)];
         let v_dot: Torques = self.z.fixed_rows::<TORQUES>(STATES + TORQUES).into_owned();
         let v: Torques = self.z.fixed_rows::<TORQUES>(STATES) + v_dot * t;
@@ -115,7 +135,15 @@ impl Block {
         let mut guards = [[Guard {
             value: 0.0,
             rate: 0.0,
-        }; 2]; 2];
+        }; 2]; 3];
+        if brake != Mode::Open {
+            let input = if t > 0.0 {
+                &self.input_end
+            } else {
+                &self.input
+            };
+            guards[BRAKE] = plant_brake::guards(p, brake, &x, &x_dot, input, &self.rate);
+        }
         for (i, (slip, torque)) in slips.zip(torques).enumerate() {
             let force = (
                 self.input.force[i] + self.rate.force[i] * t,
@@ -147,15 +175,17 @@ fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
 }
 
 /// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method.
-fn load_ramp(p: &Params, rung: &Rung, z: &Augmented, motion: &Motion, input_end: &Input) -> f64 {
+///
+/// `load`: T_v [N·m] and its slope at a wheel speed.
+fn load_ramp(rung: &Rung, z: &Augmented, motion: &Motion, load: impl Fn(f64) -> (f64, f64)) -> f64 {
     let t_v = z[STATES + TORQUES - 1];
     let held = motion.wheel_speed(z);
     let gain = rung.wheel_speed_by_load_ramp();
     let mut ramp = 0.0;
     for _ in 0..LOAD_ITERATIONS {
         let omega_w = held + gain * ramp;
-        let miss = input_end.load_torque(p, omega_w) - t_v - ramp * rung.t;
-        ramp -= miss / (input_end.load_slope(p, omega_w) * gain - rung.t);
+        let (end, slope) = load(omega_w);
+        ramp -= (end - t_v - ramp * rung.t) / (slope * gain - rung.t);
     }
     ramp
 }

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
+use crate::coupling::Coupling;
 use crate::plant::Plant;
 use crate::plant_matrices::{C, O, SPEEDS, Systems, TWIST_T, mobility, slip_row};
 use crate::plant_modes::Mode;
@@ -34,9 +35,13 @@ impl Plant {
     /// Only shafts with an open clutch may change: see [`Self::gear_granted`].
     pub fn change_gear(&mut self, p: &Params, from: &Systems, to: &Systems) {
         let before = from.stored_energy(&self.x);
-        let changed = [0, 1].map(|i| from.gear[i] != to.gear[i]);
-        let cut = [0, 1].map(|i| if changed[i] { 0 } else { from.gear[i] });
-        self.synchronise(&mobility(p, cut), &self.constraints(p, to, changed));
+        let (old, new) = (from.coupling, to.coupling);
+        let changed = [0, 1].map(|i| old.gear[i] != new.gear[i]);
+        let gear = [0, 1].map(|i| if changed[i] { 0 } else { old.gear[i] });
+        self.synchronise(
+            &mobility(p, Coupling { gear, ..old }),
+            &self.constraints(p, to, changed),
+        );
         for i in (0..2).filter(|i| changed[*i]) {
             self.x[TWIST_T + i] = 0.0;
         }
@@ -46,7 +51,7 @@ impl Plant {
 
     /// What holds at once: ω_ci = g_i ω_o where a gear comes in, ω_d = ω_ci where a clutch is engaged.
     fn constraints(&self, p: &Params, to: &Systems, changed: [bool; 2]) -> Constraints {
-        let g = p.g(to.gear);
+        let g = p.g(to.coupling.gear);
         let mut rows = Constraints::zeros();
         for i in [0, 1] {
             if changed[i] && g[i] != 0.0 {
@@ -101,10 +106,10 @@ mod tests {
     }
 
     fn driven(p: &Params, input: &Input, steps: u32) -> (Plant, Propagators) {
-        let propagators = Propagators::new(p, input.gear, 1e-3);
+        let mut propagators = Propagators::new(p, input.gear, 1e-3);
         let mut plant = Plant::start(p, input, 90.0, 90.0 / 18.0 * p.road.r_w);
         for _ in 0..steps {
-            plant.step(p, &propagators, input, &InputRate::default());
+            plant.step(p, &mut propagators, input, &InputRate::default());
         }
         (plant, propagators)
     }
@@ -113,7 +118,7 @@ mod tests {
     fn a_gear_comes_in_with_momentum_kept_and_energy_booked() {
         for p in variants() {
             let (mut plant, old) = driven(&p, &DRIVE, 500);
-            let new = Propagators::new(&p, [1, 2], 1e-3);
+            let mut new = Propagators::new(&p, [1, 2], 1e-3);
             plant.change_gear(&p, &old.systems, &new.systems);
             assert!((plant.x[C + 1] - p.g([1, 2])[1] * plant.x[O]).abs() < 1e-9);
             assert!(plant.work.synchroniser > 0.0);
@@ -121,7 +126,7 @@ mod tests {
             for _ in 0..500 {
                 plant.step(
                     &p,
-                    &new,
+                    &mut new,
                     &Input {
                         gear: [1, 2],
                         ..DRIVE

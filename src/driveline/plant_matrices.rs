@@ -11,6 +11,7 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
+use crate::coupling::Coupling;
 
 /// Number of states: ω_e ω_d ω_c1 ω_c2 ω_o ω_w, then the twists of damper, transfer shafts, drive
 /// shaft.
@@ -79,11 +80,11 @@ impl System {
     }
 }
 
-/// The driveline with the gears preselected: what holds for every choice of engaged clutches.
+/// The coupled driveline: what holds for every choice of engaged clutches.
 #[derive(Debug, Clone, Copy)]
 pub struct Systems {
-    /// Gears preselected on the two shafts, shape (2).
-    pub gear: [i32; 2],
+    /// What is connected to what.
+    pub coupling: Coupling,
     /// ω_ci = g_i ω_o holds exactly; 0 where it does not (compliant, neutral), shape (2).
     pub rigid_ratio: [f64; 2],
     /// By engaged clutches: none, clutch 1, clutch 2, both.
@@ -110,15 +111,17 @@ pub fn slip(x: &State) -> [f64; 2] {
 }
 
 impl Systems {
-    /// Matrices of the driveline with the gears preselected on the two shafts; 0 is neutral.
-    pub fn new(p: &Params, gear: [i32; 2]) -> Self {
+    /// Matrices of the driveline with what is connected; two gears stand for turning wheels.
+    pub fn new(p: &Params, coupling: impl Into<Coupling>) -> Self {
+        let coupling = coupling.into();
+        let gear = coupling.gear;
         let springs = springs(p, gear);
-        let mobility = mobility(p, gear);
+        let mobility = mobility(p, coupling);
         let (a, b) = open_driveline(&springs, &mobility);
         let stuck = |set: usize| engaged_driveline(&a, &b, &mobility, set);
         let g = p.g(gear);
         Self {
-            gear,
+            coupling,
             rigid_ratio: if p.rigid { g } else { [0.0; 2] },
             by_stuck: [stuck(0), stuck(1), stuck(2), stuck(3)],
             spring_torque: spring_torque(&springs),
@@ -175,13 +178,16 @@ fn springs(p: &Params, gear: [i32; 2]) -> [Spring; 4] {
 }
 
 /// W: accelerations = W·(torques on the six inertias), shape (6, 6).
-pub(crate) fn mobility(p: &Params, gear: [i32; 2]) -> SMatrix<f64, SPEEDS, SPEEDS> {
+pub(crate) fn mobility(p: &Params, coupling: Coupling) -> SMatrix<f64, SPEEDS, SPEEDS> {
     let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
     let mut mobility = SMatrix::from_diagonal(&SVector::from(j.map(|j| 1.0 / j)));
+    if coupling.held {
+        mobility[(W, W)] = 0.0;
+    }
     if !p.rigid {
         return mobility;
     }
-    let g = p.g(gear);
+    let g = p.g(coupling.gear);
     let mut moves = SVector::<f64, SPEEDS>::zeros();
     moves[O] = 1.0;
     for shaft in [0, 1] {

@@ -10,7 +10,7 @@ use crate::plant_matrices::{State, System, Systems, Torques, slip};
 /// Slip below which two shafts turn together [rad/s]: round-off of a step of constrained motion.
 const ZERO_SLIP: f64 = 1e-10;
 /// Round-off of a capacity [1].
-const CAPACITY_MARGIN: f64 = 1e-12;
+pub(crate) const CAPACITY_MARGIN: f64 = 1e-12;
 /// Round-off of a guard that starts at zero: slip [rad/s] and torque [N·m].
 const GUARD_TOLERANCE: f64 = 1e-10;
 
@@ -37,7 +37,7 @@ impl Mode {
         }
     }
 
-    const fn slipping(direction: f64) -> Self {
+    pub(crate) const fn slipping(direction: f64) -> Self {
         if direction >= 0.0 {
             Self::Forward
         } else {
@@ -51,7 +51,7 @@ pub fn stuck_set(modes: [Mode; 2]) -> usize {
     usize::from(modes[0] == Mode::Stuck) | usize::from(modes[1] == Mode::Stuck) << 1
 }
 
-/// What happened to the clutches at an instant.
+/// What happened to clutches and brake at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Event {
     /// The slip came to zero, shape (2).
@@ -60,6 +60,10 @@ pub struct Event {
     pub broken: [bool; 2],
     /// The normal force came to zero, shape (2).
     pub opened: [bool; 2],
+    /// The wheel speed came to zero under the brake.
+    pub wheel_reached: bool,
+    /// The torque on held wheels went beyond what the brake holds.
+    pub wheel_broken: bool,
 }
 
 impl Event {

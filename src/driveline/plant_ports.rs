@@ -1,6 +1,5 @@
 //! What enters and what leaves the plant.
 
-use crate::Params;
 use crate::plant_modes::Mode;
 
 /// Inputs of the plant at an instant.
@@ -12,7 +11,7 @@ pub struct Input {
     pub force: [f64; 2],
     /// Gears preselected on the odd and on the even shaft, shape (2); 0 is neutral.
     pub gear: [i32; 2],
-    /// Brake torque at the wheels [N·m], ≥ 0; acts against the motion.
+    /// Brake torque at the wheels [N·m], ≥ 0: acts against the motion, holds up to itself at standstill.
     pub t_brake: f64,
     /// φ: road grade [rad].
     pub phi: f64,
@@ -41,16 +40,6 @@ impl Input {
             t_brake: (self.t_brake + rate.t_brake * t).max(0.0),
             phi: self.phi + rate.phi * t,
         }
-    }
-
-    /// T_v of (11) with the brake [N·m].
-    pub(crate) fn load_torque(&self, p: &Params, omega_w: f64) -> f64 {
-        p.road.load_torque(omega_w, self.phi) + self.t_brake * p.road.direction(omega_w)
-    }
-
-    /// ∂T_v/∂ω_w [N·m·s/rad].
-    pub(crate) fn load_slope(&self, p: &Params, omega_w: f64) -> f64 {
-        p.road.load_torque_slope(omega_w, self.phi) + self.t_brake * p.road.direction_slope(omega_w)
     }
 }
 
@@ -121,6 +110,8 @@ pub struct Output {
     pub slip: [f64; 2],
     /// States of the clutches, shape (2).
     pub state: [ClutchState; 2],
+    /// The wheels stand and brake or rolling resistance holds them.
+    pub held: bool,
     /// Friction power [W], shape (2), ≥ 0.
     pub friction_power: [f64; 2],
     /// Friction energy since the start [J], shape (2).

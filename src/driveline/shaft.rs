@@ -21,11 +21,28 @@ impl RoadParams {
     pub fn load_torque(&self, omega_w: f64, phi: f64) -> f64 {
         let v = self.r_w * omega_w;
         let drag = 0.5 * self.rho_air * self.a_v * self.c_drag * v * v.abs();
-        let roll = self.rolling(phi) * ComplexField::tanh(v / Self::V_EPS);
+        let roll = self.rolling(phi) * self.direction(omega_w);
         self.r_w * (self.weight() * ComplexField::sin(phi) + drag + roll)
     }
 
-    /// ∂T_v/∂ω_w of (11) [N·m·s/rad].
+    /// The part of (11) that is smooth in the wheel speed [N·m]: without a rolling resistance that is
+    /// dry friction.
+    ///
+    /// `omega_w`: wheel speed [rad/s]. `phi`: road grade [rad].
+    pub(crate) fn smooth_load(&self, omega_w: f64, phi: f64) -> f64 {
+        self.load_torque(omega_w, phi) - self.dry_rolling(phi) * self.direction(omega_w)
+    }
+
+    /// Rolling resistance that is dry friction [N·m], ≥ 0; 0 where V_ε smooths it.
+    pub(crate) fn dry_rolling(&self, phi: f64) -> f64 {
+        if self.v_eps > 0.0 {
+            0.0
+        } else {
+            self.r_w * self.rolling(phi)
+        }
+    }
+
+    /// ∂T_v/∂ω_w of (11) [N·m·s/rad]; a dry rolling resistance has none.
     ///
     /// `omega_w`: wheel speed [rad/s]. `phi`: road grade [rad].
     pub fn load_torque_slope(&self, omega_w: f64, phi: f64) -> f64 {
@@ -35,18 +52,27 @@ impl RoadParams {
         self.r_w * self.r_w * (drag + roll)
     }
 
-    /// tanh(V/V_ε): direction of travel as rolling resistance and brakes see it [1].
+    /// tanh(V/V_ε): direction of travel as rolling resistance sees it [1]; sgn(V) with V_ε = 0.
     pub fn direction(&self, omega_w: f64) -> f64 {
-        ComplexField::tanh(self.r_w * omega_w / Self::V_EPS)
+        if self.v_eps > 0.0 {
+            ComplexField::tanh(self.r_w * omega_w / self.v_eps)
+        } else {
+            sign(omega_w)
+        }
     }
 
     /// Derivative of [`Self::direction`] by the wheel speed [s/rad].
     pub fn direction_slope(&self, omega_w: f64) -> f64 {
-        let direction = self.direction(omega_w);
-        (1.0 - direction * direction) * self.r_w / Self::V_EPS
+        if self.v_eps > 0.0 {
+            let direction = self.direction(omega_w);
+            (1.0 - direction * direction) * self.r_w / self.v_eps
+        } else {
+            0.0
+        }
     }
 
-    fn weight(&self) -> f64 {
+    /// M_v g [N].
+    pub(crate) fn weight(&self) -> f64 {
         self.m_v * Self::GRAVITY
     }
 
@@ -55,9 +81,15 @@ impl RoadParams {
     }
 }
 
+/// sgn x, 0 at 0 [1].
+pub(crate) fn sign(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.signum() }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::Params;
+    use crate::params::RoadParams;
 
     #[test]
     fn slope_is_the_derivative() {
@@ -72,6 +104,22 @@ mod tests {
                 "{omega_w} rad/s"
             );
         }
+    }
+
+    #[test]
+    fn dry_rolling_resistance_is_what_the_smooth_load_lacks() {
+        let road = RoadParams {
+            v_eps: 0.0,
+            ..Params::TABLE_1.road
+        };
+        let (fast, dry) = (20.0, road.dry_rolling(0.03));
+        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(0.03) == 0.0);
+        for omega_w in [fast, -fast] {
+            let whole = road.smooth_load(omega_w, 0.03) + dry * omega_w.signum();
+            let smeared = Params::TABLE_1.road.load_torque(omega_w, 0.03);
+            assert!((whole - smeared).abs() < 1e-9);
+        }
+        assert_eq!(road.load_torque(0.0, 0.0), 0.0);
     }
 
     #[test]

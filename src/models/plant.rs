@@ -14,7 +14,10 @@ use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
 use dct_driveline::plant_matrices::Systems;
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
-use propagation::Propagation;
+use propagation::{OneStep, Propagation};
+
+/// What has a mode, in the order of `all_modes`.
+const PARTS: [&str; 3] = ["clutch 1", "clutch 2", "brake"];
 
 /// What an importer sets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -134,7 +137,8 @@ impl Plant {
         }
         self.refused = self.gear;
         if granted != self.acting {
-            let [from, to] = [self.acting, granted].map(|gear| Systems::new(&self.p, gear));
+            let [from, to] =
+                [self.acting, granted].map(|gear| Systems::new(&self.p, self.state.coupling(gear)));
             self.state.change_gear(&self.p, &from, &to);
             log.event(format_args!(
                 "t = {time} s: gears {:?} become {granted:?}",
@@ -146,10 +150,11 @@ impl Plant {
 
     fn read_outputs(&mut self) {
         let built;
-        let systems = match self.propagation.systems(self.acting) {
+        let coupling = self.state.coupling(self.acting);
+        let systems = match self.propagation.systems(coupling) {
             Some(systems) => systems,
             None => {
-                built = Systems::new(&self.p, self.acting);
+                built = Systems::new(&self.p, coupling);
                 &built
             }
         };
@@ -191,8 +196,11 @@ impl Model for Plant {
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
         self.state = driveline::Plant::start(&self.p, &input, omega_e, v);
-        self.propagation
-            .prepare(&self.p, self.acting, Self::EXPERIMENT.step);
+        self.propagation.prepare(
+            &self.p,
+            self.state.coupling(self.acting),
+            Self::EXPERIMENT.step,
+        );
         self.read_outputs();
         Ok(())
     }
@@ -202,13 +210,16 @@ impl Model for Plant {
         self.change_gears(time, log);
         let input = self.input();
         let rate = self.rate(&input, step);
-        let propagators = self.propagation.of(&self.p, self.acting, step);
+        let mut ladders = OneStep {
+            propagation: &mut self.propagation,
+            step,
+        };
         self.state
-            .step_observed(&self.p, propagators, &input, &rate, |after, from, to| {
-                for i in (0..2).filter(|i| from[*i] != to[*i]) {
-                    let (at, clutch) = (time + after, i + 1);
+            .step_observed(&self.p, &mut ladders, &input, &rate, |after, from, to| {
+                for i in (0..3).filter(|i| from[*i] != to[*i]) {
+                    let (at, part) = (time + after, PARTS[i]);
                     log.event(format_args!(
-                        "t = {at} s: clutch {clutch} {:?} -> {:?}",
+                        "t = {at} s: {part} {:?} -> {:?}",
                         from[i], to[i]
                     ));
                 }
@@ -225,7 +236,7 @@ impl Model for Plant {
         let gears = self.acting.iter_mut().chain(&mut self.refused);
         gears.for_each(|gear| fields.integer(gear));
         fields.reals(self.state.x.as_mut_slice());
-        for mode in &mut self.state.modes {
+        for mode in self.state.modes.iter_mut().chain([&mut self.state.brake]) {
             let mut code = *mode as i32;
             fields.integer(&mut code);
             *mode = table::mode(code);
@@ -244,7 +255,10 @@ impl Model for Plant {
     }
 
     fn restored(&mut self) {
-        self.propagation
-            .prepare(&self.p, self.acting, Self::EXPERIMENT.step);
+        self.propagation.prepare(
+            &self.p,
+            self.state.coupling(self.acting),
+            Self::EXPERIMENT.step,
+        );
     }
 }

@@ -84,7 +84,7 @@ pub(crate) const fn driveline<M: Vehicle>() -> [Variable<M>; 7] {
 }
 
 /// Road load (11).
-pub(crate) const fn road<M: Vehicle>() -> [Variable<M>; 5] {
+pub(crate) const fn road<M: Vehicle>() -> [Variable<M>; 6] {
     use Unit as U;
     [
         positive(
@@ -110,6 +110,12 @@ pub(crate) const fn road<M: Vehicle>() -> [Variable<M>; 5] {
             U::ONE,
             |m: &mut M| &mut m.params().road.c_rr,
             "C_rr of (11): rolling resistance coefficient",
+        ),
+        not_negative(
+            "vehicle.rollingResistanceSpeed",
+            U::METRE_PER_SECOND,
+            |m: &mut M| &mut m.params().road.v_eps,
+            "V_eps of (11): rolling resistance turns its sign over this speed; 0: dry friction that holds at standstill",
         ),
         not_negative(
             "air.density",

@@ -45,7 +45,7 @@ def initial_mode(case):
     simulation = case.simulation()
     first = next(iter(case.pieces(simulation.plant.p)))
     simulation.run([first])
-    return [SIGN_OF.get(*_state(simulation, i)) for i in range(2)]
+    return [*(SIGN_OF.get(*_state(simulation, i)) for i in range(2)), simulation.mode[2]]
 
 
 def _state(simulation, i):

@@ -3,6 +3,7 @@
 Modes per clutch: open (F_n = 0), slipping with the sign of the slip, engaged. Inside a smooth
 piece a slip zero or |T_c| = mu_s F r N is found by root finding (brentq); at every input sample
 and event the modes of the clutches at zero slip are enumerated and the consistent set is taken.
+The brake is a third clutch, between the wheels and the road: engaged, it holds them.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from reference_plant import ENGAGED, OPEN, ModeSystem
 from scipy.optimize import brentq, minimize_scalar
 
 STATE_NUMBER = {OPEN: 1, 1: 2, -1: 2, ENGAGED: 3}
+PARTS = (1, 2, "brake")
 STATE_NAME = {1: "disengaged", 2: "slipping", 3: "engaged"}
 ZERO_SLIP = 1e-10  # [rad/s] at rest together; below what two accelerations leave after a step
 SLIP_TOL, TORQUE_TOL = 1e-12, 1e-9  # [rad/s], [N·m] round-off of a guard that starts at zero
@@ -26,7 +28,7 @@ class Simulation:
     def __init__(self, plant, scenario, engine_speed, vehicle_speed, stages=None):
         self.plant, self.scenario, self.stages = plant, scenario, stages
         self.x = plant.start(engine_speed, vehicle_speed)
-        self.mode, self.systems, self.cache = (OPEN, OPEN), {}, {}
+        self.mode, self.systems, self.cache = (OPEN, OPEN, OPEN), {}, {}
         self.rows, self.events, self.piece, self.at_start = [], [], None, True
         self.work = np.zeros(4)  # engine, dampers, clutch friction, load [J]
         self.turnover, self.stored_0 = 0.0, plant.energy(self.x)
@@ -57,16 +59,16 @@ class Simulation:
     # ---- inputs ----
 
     def _inputs(self, offset):
-        """T_e, forces (2) and grade at `offset` [s] into the piece, each of `offset`'s shape."""
+        """T_e, forces (2), grade and brake at `offset` [s] into the piece, of `offset`'s shape."""
         offset = np.asarray(offset, dtype=float)
         t = self.piece.sample
         time = self.piece.start + offset if t is None else np.full(offset.shape, t)
         u = self.scenario.at(time)
         force = [self.plant.p.force(i, u[..., 1 + i]) for i in range(2)]
-        return u[..., 0], force, u[..., 3]
+        return u[..., 0], force, u[..., 3], u[..., 4]
 
     def _forcing(self, mode, offset):
-        torque, force, _ = self._inputs(offset)
+        torque, force, *_ = self._inputs(offset)
         v = np.zeros((*np.shape(offset), 4))
         v[..., 0] = torque
         p = self.plant.p
@@ -76,14 +78,20 @@ class Simulation:
         return v
 
     def _peak(self, i, offset):
-        """Largest torque of clutch `i` when engaged, mu_s F r N [N·m]."""
+        """Largest torque of clutch `i` when engaged, mu_s F r N, or of the brake [N·m]."""
         p = self.plant.p
-        return p.mu_s[i] * self._inputs(offset)[1][i] * p.r_n[i]
+        _, force, grade, brake = self._inputs(offset)
+        return p.mu_s[i] * force[i] * p.r_n[i] if i < 2 else p.dry_load(brake, grade)
+
+    def _load(self, mode, omega_w, offset):
+        """T_v [N·m], the sliding brake included."""
+        _, _, grade, brake = self._inputs(offset)
+        dry = mode[2] * self.plant.p.dry_load(brake, grade) if mode[2] in (1, -1) else 0.0
+        return self.plant.p.load_torque(omega_w, grade) + dry
 
     def _full_forcing(self, mode, offset):
         v = self._forcing(mode, offset)
-        omega_w = self.x[self.plant.row_w]
-        v[3] = self.plant.p.load_torque(omega_w, self._inputs(offset)[2])
+        v[3] = self._load(mode, self.x[self.plant.row_w], offset)
         return v
 
     def _system(self, mode):
@@ -105,19 +113,28 @@ class Simulation:
 
     def _resolve(self, time, offset, broken=None, reached=None):
         """Modes valid just after `time`; `broken` may not stick, `reached` has zero slip."""
-        slip = self.plant.slip @ self.x
-        _, force, _ = self._inputs(0.5 * (offset + self.piece.duration))  # linear: >= 0 at its ends
+        slip = self.plant.sliding @ self.x
+        middle = 0.5 * (offset + self.piece.duration)  # linear: >= 0 at its ends
         choices = []
-        for i in range(2):
+        for i in range(3):
             at_zero = self.mode[i] == ENGAGED or i == reached or abs(slip[i]) <= ZERO_SLIP
-            if force[i] <= 0:
+            if self._peak(i, middle) <= 0:
                 choices.append((OPEN,))
+            elif (
+                i == broken == 2
+            ):  # no drop of friction: nothing but the torque shows the direction
+                choices.append((self._direction(offset),))
             elif at_zero:
                 choices.append((1, -1) if i == broken else (ENGAGED, 1, -1))
             else:
                 choices.append((1,) if slip[i] > 0 else (-1,))
-        zero = [i for i in range(2) if len(choices[i]) > 1]
+        zero = [i for i in range(3) if len(choices[i]) > 1]
         self._change(time, self._pick(choices, zero, offset) if zero else _single(choices))
+
+    def _direction(self, offset):
+        """Sign of what moves held wheels."""
+        v = self._full_forcing(self.mode, offset)
+        return int(np.sign(self._held_torque(self.mode, self.x, v, offset)[2]))
 
     def _pick(self, choices, zero, offset):
         """Take the consistent set: most clutches stuck; of two, the more loaded one slips."""
@@ -125,19 +142,19 @@ class Simulation:
         if not sets:
             raise RuntimeError(f"no consistent clutch modes in {choices}")
         load = self._loading(tuple(c[0] for c in choices), offset)
-        stuck = [sum(load[i] if m[i] == ENGAGED else 0.0 for i in range(2)) for m in sets]
+        stuck = [sum(load[i] if m[i] == ENGAGED else 0.0 for i in range(3)) for m in sets]
         return min(zip(sets, stuck, strict=True), key=lambda s: (-s[0].count(ENGAGED), s[1]))[0]
 
     def _loading(self, mode, offset):
-        """|T_c| / (mu_s F r N) of every engaged clutch of `mode`, shape (2)."""
-        torque = self._clutch_torque(mode, self.x, self._full_forcing(mode, offset))
-        peak = np.array([self._peak(i, offset) for i in range(2)])
+        """|T_c| / (mu_s F r N) of every engaged clutch of `mode` and the brake, shape (3)."""
+        torque = self._held_torque(mode, self.x, self._full_forcing(mode, offset), offset)
+        peak = np.array([self._peak(i, offset) for i in range(3)])
         return np.abs(torque) / np.maximum(peak, 1e-300)
 
     def _consistent(self, mode, zero, offset):
         system, v = self._system(mode), self._full_forcing(mode, offset)
-        torque = self._clutch_torque(mode, self.x, v)
-        slip_dot = self.plant.slip @ (system.a @ self.x + system.b @ v)
+        torque = self._held_torque(mode, self.x, v, offset)
+        slip_dot = self.plant.sliding @ (system.a @ self.x + system.b @ v)
         for i in zero:
             if mode[i] == ENGAGED:
                 if abs(torque[i]) > self._peak(i, offset) * (1 + 1e-12):
@@ -151,15 +168,23 @@ class Simulation:
         stuck = [i for i in range(2) if mode[i] == ENGAGED]
         return bool(np.any(np.abs(self.plant.slip[stuck] @ self.x) > 1e-6))
 
-    def _clutch_torque(self, mode, x, v):
+    def _torques(self, mode, x, v):
+        """T_c1, T_c2, T_v, shape (..., 3)."""
         system = self._system(mode)
         return x @ system.gx.T + v @ system.gv.T
 
+    def _held_torque(self, mode, x, v, offset):
+        """What friction has to carry [N·m], shape (..., 3): the brake all but the smooth load."""
+        torque = self._torques(mode, x, v)
+        smooth = self.plant.p.load_torque(x[..., self.plant.row_w], self._inputs(offset)[2])
+        torque[..., 2] -= smooth
+        return torque
+
     def _change(self, time, mode):
-        for i in range(2):
+        for i in range(3):
             if mode[i] != self.mode[i]:
                 a, b = STATE_NUMBER[self.mode[i]], STATE_NUMBER[mode[i]]
-                event = {"time": float(time), "clutch": i + 1, "from": STATE_NAME[a]}
+                event = {"time": float(time), "clutch": PARTS[i], "from": STATE_NAME[a]}
                 event |= {"to": STATE_NAME[b], "direction": mode[i] if b == 2 else 0}
                 self.events.append(event)
         self.mode = tuple(mode)
@@ -167,9 +192,9 @@ class Simulation:
 
     def _project(self):
         """Remove round-off from the slip of engaged clutches, momentum kept."""
-        stuck = [i for i in range(2) if self.mode[i] == ENGAGED]
+        stuck = [i for i in range(3) if self.mode[i] == ENGAGED]
         if stuck:
-            s = self.plant.slip[stuck]
+            s = self.plant.sliding[stuck]
             impulse = np.linalg.solve((s * self.plant.inv_mass) @ s.T, s @ self.x)
             self.x = self.x - self.plant.inv_mass * (impulse @ s)
 
@@ -201,10 +226,8 @@ class Simulation:
 
     def _piece_states(self, prop, done):
         offset = done + prop.nodes * prop.h
-        grade = self._inputs(offset)[2]
         forcing = self._forcing(self.mode, offset)
-        load = self.plant.p.load_torque
-        v = prop.solve_forcing(self.x, forcing, lambda w: load(w, grade))
+        v = prop.solve_forcing(self.x, forcing, lambda w: self._load(self.mode, w, offset))
         return v, prop.sample(self.x, v)
 
     def _book(self, prop, v, xs):
@@ -212,7 +235,7 @@ class Simulation:
         vp = prop.forcing_map @ v
         torque = xs @ prop.system.gx.T + vp @ prop.system.gv.T
         engine = vp[:, 0] * (xs @ self.plant.unit["e"])
-        friction = np.sum(torque * (xs @ self.plant.slip.T), axis=1)
+        friction = np.sum(torque[:, :2] * (xs @ self.plant.slip.T), axis=1)
         load = vp[:, 3] * (xs @ self.plant.unit["w"])
         power = np.stack([engine, self.plant.damping_power(xs), friction, load])
         self.work += prop.h * power @ prop.weights
@@ -227,8 +250,10 @@ class Simulation:
         if self.mode[i] == OPEN:
             return None
         if self.mode[i] == ENGAGED:
-            return self._peak(i, offset) - np.abs(self._clutch_torque(self.mode, xs, v)[..., i])
-        return self.mode[i] * (xs @ self.plant.slip[i])
+            return self._peak(i, offset) - np.abs(
+                self._held_torque(self.mode, xs, v, offset)[..., i]
+            )
+        return self.mode[i] * (xs @ self.plant.sliding[i])
 
     def _first_event(self, prop, v, xs, done):
         """Earliest guard crossing as (fraction of the piece, clutch), or None."""
@@ -236,7 +261,7 @@ class Simulation:
         states = np.vstack([self.x, xs])
         vp = np.vstack([v[0], prop.forcing_map @ v])
         hits = []
-        for i in range(2):
+        for i in range(3):
             guard = self._guard(i, states, vp, done + grid * prop.h)
             if guard is None:
                 continue
@@ -273,10 +298,11 @@ class Simulation:
     def _record(self, time, offset):
         """Row at `time`: left limit, with the modes and inputs of the piece that ends there."""
         v = self._full_forcing(self.mode, offset)
-        clutch = self._clutch_torque(self.mode, self.x, v)
+        *clutch, load = self._torques(self.mode, self.x, v)
         speeds = self.plant.speeds @ self.x
-        torques = (self.plant.damper_row @ self.x, *clutch, self.plant.shaft_row @ self.x, v[3])
-        self.rows.append((time, *speeds, *torques, *(STATE_NUMBER[m] for m in self.mode)))
+        torques = (self.plant.damper_row @ self.x, *clutch, self.plant.shaft_row @ self.x, load)
+        states = (STATE_NUMBER[self.mode[0]], STATE_NUMBER[self.mode[1]], self.mode[2] == ENGAGED)
+        self.rows.append((time, *speeds, *torques, *states))
 
 
 def _single(choices):

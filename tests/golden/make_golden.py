@@ -13,10 +13,11 @@ from tqdm import tqdm
 
 CASES = (*PAPER_CASES, *SMALL_CASES)
 HERE = Path(__file__).parent
+FMI_NAMES = {"v_eps": "vehicle.rollingResistanceSpeed"}
 HEADER = (
     *("time", "engine.speed", "damper.speed", "clutch1.speed", "clutch2.speed", "output.speed"),
     *("wheel.speed", "damper.torque", "clutch1.torque", "clutch2.torque", "driveShaft.torque"),
-    *("load.torque", "clutch1.state", "clutch2.state"),
+    *("load.torque", "clutch1.state", "clutch2.state", "wheel.held"),
 )
 
 
@@ -31,15 +32,16 @@ def run_case(case, longest=None, stages=None):
 
 def format_row(row):
     """Text fields of one row: time and values with 14 digits, states as integers."""
-    return [f"{float(x):.14g}" for x in row[:-2]] + [str(int(x)) for x in row[-2:]]
+    return [f"{float(x):.14g}" for x in row[:-3]] + [str(int(x)) for x in row[-3:]]
 
 
-def write_rows(path, rows):
-    """Write a golden CSV, one column per `HEADER`."""
+def write_rows(path, rows, brakes):
+    """Write a golden CSV, one column per `HEADER`, the last one where the wheels are braked."""
+    count = len(HEADER) - (not brakes)
     with path.open("w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(HEADER)
-        out.writerows(format_row(row) for row in rows)
+        out.writerow(HEADER[:count])
+        out.writerows(format_row(row)[:count] for row in rows)
 
 
 def write_json(path, value):
@@ -50,6 +52,7 @@ def write_json(path, value):
 def case_json(case, params):
     """What a run needs beside its scenario, and the FMI parameters that leave the preset."""
     changed = {"transmission.rigid": True} if case.rigid else {}
+    changed |= {FMI_NAMES[name]: value for name, value in case.params.items()}
     return {
         "about": case.about,
         "preset": "paper",
@@ -71,7 +74,7 @@ def case_json(case, params):
 def write_case(case, out):
     """Run one case and write its five files into `out`."""
     simulation = run_case(case)
-    write_rows(out / f"{case.name}.csv", simulation.rows)
+    write_rows(out / f"{case.name}.csv", simulation.rows, case.scenario.brakes)
     write_json(out / f"{case.name}.events.json", simulation.events)
     write_json(out / f"{case.name}.energy.json", simulation.energy())
     write_json(out / f"{case.name}.json", case_json(case, simulation.plant.p))

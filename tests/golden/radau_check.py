@@ -9,6 +9,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from hybrid import PARTS
 from scipy.integrate import solve_ivp
 
 SIGN_OF = {"disengaged": 0, "engaged": 2}
@@ -21,10 +22,16 @@ class ScalarPlant:
         self.p, self.scenario = params, scenario
 
     def inputs(self, t):
-        """T_e, capacities at mu = 1 (2) and grade."""
-        te, x1, x2, grade = self.scenario.at(t)
+        """T_e, capacities at mu = 1 (2), grade and dry friction at the wheels."""
+        te, x1, x2, grade, brake = self.scenario.at(t)
         n = [self.p.force(i, x) * self.p.r_n[i] for i, x in enumerate((x1, x2))]
-        return te, n, grade
+        return te, n, grade, self.p.dry_load(brake, grade)
+
+    def load(self, w, mode, u, t_o):
+        """T_v; of wheels that are held, all that comes in."""
+        if mode[2] == 2:
+            return t_o
+        return self.p.load_torque(w, u[2]) + (mode[2] * u[3] if mode[2] else 0.0)
 
     def start(self, engine_speed, omega):
         """Start values of y; `omega` is the speed of output and wheel [rad/s]."""
@@ -37,7 +44,7 @@ class ScalarPlant:
 
     def torques(self, y, mode, u):
         """T_d, T_c (2), T_t (2), T_o, T_v."""
-        p, (_, n, grade) = self.p, u
+        p, n = self.p, u[1]
         e, d, c1, c2, o, w, th_d, th_1, th_2, th_o = y
         t_d = p.k_d * th_d + p.c_d * (e - d)
         t_t = [
@@ -52,7 +59,7 @@ class ScalarPlant:
         accel = (t_d - sum(t_c) - sum(reaction.values())) / inertia
         for i in stuck:
             t_c[i] = p.j_c[i] * accel + reaction[i]
-        return t_d, t_c, t_t, t_o, p.load_torque(w, grade)
+        return t_d, t_c, t_t, t_o, self.load(w, mode, u, t_o)
 
     def rate(self, y, mode, u):
         """y' of the compliant plant."""
@@ -73,9 +80,18 @@ class ScalarPlant:
         """Positive while clutch `i` keeps its mode."""
         if mode[i] == 0:
             return 1.0
+        if i == 2:
+            return self.wheel_guard(y, mode, u)
         if mode[i] == 2:
             return self.p.mu_s[i] * u[1][i] - abs(self.torques(y, mode, u)[1][i])
         return mode[i] * (y[1] - self.speeds(y)[2 + i])
+
+    def wheel_guard(self, y, mode, u):
+        """Positive while the brake keeps its mode."""
+        w = self.speeds(y)[5]
+        if mode[2] == 2:
+            return u[3] - abs(self.torques(y, mode, u)[3] - self.p.load_torque(w, u[2]))
+        return mode[2] * w
 
 
 class RigidScalarPlant(ScalarPlant):
@@ -91,7 +107,7 @@ class RigidScalarPlant(ScalarPlant):
 
     def torques(self, y, mode, u):
         """T_d, T_c (2), no T_t, T_o, T_v."""
-        p, (_, n, grade) = self.p, u
+        p, n = self.p, u[1]
         e, d, o, w, th_d, th_o = y
         t_d, t_o = p.k_d * th_d + p.c_d * (e - d), p.k_o * th_o + p.c_o * (o - w)
         t_c = [mode[i] * p.mu_k[i] * n[i] if abs(mode[i]) == 1 else 0.0 for i in range(2)]
@@ -99,13 +115,13 @@ class RigidScalarPlant(ScalarPlant):
         if mode[0] == mode[1] == 2:  # both at rest: T_c1 + T_c2 = T_d, g1 T_c1 + g2 T_c2 = T_o
             t_c[0] = (t_o - g[1] * t_d) / (g[0] - g[1])
             t_c[1] = t_d - t_c[0]
-        elif 2 in mode:
+        elif 2 in mode[:2]:
             i = mode.index(2)
             rest = t_c[1 - i]
             drive = g[i] * (t_d - rest) + g[1 - i] * rest - t_o
             accel = drive / (self.j_out() + g[i] ** 2 * p.j_d)
             t_c[i] = t_d - rest - p.j_d * g[i] * accel
-        return t_d, t_c, None, t_o, p.load_torque(w, grade)
+        return t_d, t_c, None, t_o, self.load(w, mode, u, t_o)
 
     def j_out(self):
         """Inertia seen at the output shaft, J_o + g1^2 J_ct1 + g2^2 J_ct2 [kg·m²]."""
@@ -164,7 +180,7 @@ class RadauRun:
                 self._apply(self.pending.pop(0), t)
 
     def _apply(self, event, found):
-        self.mode[event["clutch"] - 1] = SIGN_OF.get(event["to"], event["direction"])
+        self.mode[PARTS.index(event["clutch"])] = SIGN_OF.get(event["to"], event["direction"])
         if found is not None:
             self.times.append((event["time"], found))
 
@@ -173,7 +189,7 @@ class RadauRun:
             return self.plant.inputs(time if sample is None else sample)
 
         def crossing(time, y):
-            return self.plant.guard(y, self.mode, u(time), due["clutch"] - 1)
+            return self.plant.guard(y, self.mode, u(time), PARTS.index(due["clutch"]))
 
         crossing.terminal, crossing.direction = True, -1
         grid = self._row_times(t, end)

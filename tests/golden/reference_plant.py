@@ -53,7 +53,7 @@ class Params:
     c_drag: float = 0.32
     c_rr: float = 0.013
     g: float = 9.81
-    v_eps: float = 0.05
+    v_eps: float = 0.05  # 0: rolling resistance is dry friction
     maps_mm: tuple = field(default=PAPER_MAPS_MM)
 
     @property
@@ -67,12 +67,19 @@ class Params:
         return np.interp(np.asarray(position) * 1e3, stroke, force)
 
     def load_torque(self, omega_w, grade):
-        """Load torque T_v [N·m], (11), positive when it brakes forward motion."""
+        """Smooth part of the load torque T_v [N·m], (11), positive against forward motion."""
         v = self.r_w * omega_w
         weight = self.mass * self.g
-        roll = weight * np.cos(grade) * self.c_rr * np.tanh(v / self.v_eps)
+        roll = 0.0
+        if self.v_eps > 0:
+            roll = weight * np.cos(grade) * self.c_rr * np.tanh(v / self.v_eps)
         drag = 0.5 * self.rho * self.area * self.c_drag * v * np.abs(v)
         return self.r_w * (weight * np.sin(grade) + drag + roll)
+
+    def dry_load(self, brake, grade):
+        """Dry friction at the wheels [N·m]: the brake, and rolling resistance where v_eps is 0."""
+        roll = self.mass * self.g * np.cos(grade) * self.c_rr * self.r_w
+        return brake + (0.0 if self.v_eps > 0 else roll)
 
 
 class Plant:
@@ -84,6 +91,7 @@ class Plant:
     mass_matrix : ndarray, shape (n), the inertia of each speed state, 0 for twists
     springs : list of (row of the twist, row of the rate, stiffness, damping)
     slip : ndarray, shape (2, n), omega_d - omega_ci
+    sliding : ndarray, shape (3, n), the slips and, for the brake, omega_w
     speeds : ndarray, shape (6, n), the six FMI speeds
     """
 
@@ -98,6 +106,7 @@ class Plant:
         self.unit, self.twists = unit, twists
         self.speeds = np.array([unit[k] for k in ("e", "d", "c1", "c2", "o", "w")])
         self.slip = np.array([unit["d"] - unit["c1"], unit["d"] - unit["c2"]])
+        self.sliding = np.vstack([self.slip, unit["w"]])
         self.mass_matrix = self._masses(names)
         self.springs = self._springs()
         self.row_w = int(np.argmax(unit["w"]))
@@ -153,24 +162,25 @@ class Plant:
 
 
 class ModeSystem:
-    """The plant in one mode pair: x' = a x + b v, clutch torques T_c = gx x + gv v.
+    """The plant with one mode for each clutch and the brake: x' = a x + b v.
 
-    `v` carries the friction torque of slipping clutches and 0 for the others.
+    T_c1, T_c2 and T_v are gx x + gv v; `v` carries T_e, the friction torque of slipping clutches
+    and T_v, and what it carries for an engaged clutch or for wheels that are held does not act.
     """
 
     def __init__(self, plant: Plant, mode):
-        stuck = [i for i in range(2) if mode[i] == ENGAGED]
+        stuck = [i for i in range(3) if mode[i] == ENGAGED]
         self.mode = tuple(mode)
-        self.gx, self.gv = np.zeros((2, plant.n)), np.zeros((2, 4))
+        self.gx, self.gv = np.zeros((3, plant.n)), np.zeros((3, 4))
         free = plant.b0.copy()
-        for i in range(2):
+        for i in range(3):
             if mode[i] == ENGAGED:
                 free[:, 1 + i] = 0.0
             else:
                 self.gv[i, 1 + i] = 1.0
         if stuck:
-            s = plant.slip[stuck]
+            s = plant.sliding[stuck]
             gain = -np.linalg.inv(s @ plant.b0[:, [1 + i for i in stuck]])
             self.gx[stuck], self.gv[stuck] = gain @ s @ plant.a0, gain @ s @ free
-        self.a = plant.a0 + plant.b0[:, 1:3] @ self.gx
-        self.b = np.where(np.arange(4) % 3 == 0, plant.b0, 0.0) + plant.b0[:, 1:3] @ self.gv
+        self.a = plant.a0 + plant.b0[:, 1:] @ self.gx
+        self.b = np.where(np.arange(4) == 0, plant.b0, 0.0) + plant.b0[:, 1:] @ self.gv

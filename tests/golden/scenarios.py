@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-COLUMNS = ("engine.torque", "clutch1.position", "clutch2.position", "road.grade")
+COLUMNS = ("engine.torque", "clutch1.position", "clutch2.position", "road.grade", "brake.torque")
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Scenario:
     @classmethod
     def from_signals(cls, signals):
         """Join signals with knots of their own, each a list of (t [s], value)."""
-        tables = [np.array(signals[name], dtype=float) for name in COLUMNS]
+        tables = [np.array(signals.get(name, [(0, 0)]), dtype=float) for name in COLUMNS]
         times = np.unique(np.concatenate([t[:, 0] for t in tables]))
         values = [np.interp(times, t[:, 0], t[:, 1]) for t in tables]
         return cls(times, np.round(np.column_stack(values), 15))
@@ -31,19 +31,26 @@ class Scenario:
     def read(cls, path):
         """Read a `<case>.scenario.csv`."""
         data = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
-        return cls(data[:, 0], data[:, 1:])
+        missing = np.zeros((len(data), 1 + len(COLUMNS) - data.shape[1]))
+        return cls(data[:, 0], np.hstack([data[:, 1:], missing]))
 
     def write(self, path):
-        """Write a `<case>.scenario.csv`, column `time` first."""
+        """Write a `<case>.scenario.csv`, column `time` first, a brake that is not used left out."""
+        count = len(COLUMNS) - (not self.brakes)
         with Path(path).open("w", newline="") as file:
             out = csv.writer(file, lineterminator="\n")
-            out.writerow(("time", *COLUMNS))
+            out.writerow(("time", *COLUMNS[:count]))
             for t, row in zip(self.times, self.values, strict=True):
-                out.writerow([repr(float(x)) for x in (t, *row)])
+                out.writerow([repr(float(x)) for x in (t, *row[:count])])
+
+    @property
+    def brakes(self):
+        """Whether the brake is used."""
+        return bool(self.values[:, 4].any())
 
     def at(self, time):
-        """Inputs at `time`, shape (..., 4)."""
-        columns = [np.interp(time, self.times, self.values[:, j]) for j in range(4)]
+        """Inputs at `time`, shape (..., 5)."""
+        columns = [np.interp(time, self.times, column) for column in self.values.T]
         return np.stack(columns, axis=-1)
 
     def kinks(self, params, stop):

@@ -6,14 +6,15 @@ from golden_cases import Case, mm
 from scenarios import Scenario
 
 
-def _scenario(torque, clutch1=((0, 0),), clutch2=((0, 0),), grade=((0, 0),)):
-    """Scenario from knots (t [s], value): torque [N·m], positions [mm], grade [rad]."""
+def _scenario(torque, clutch1=((0, 0),), clutch2=((0, 0),), grade=((0, 0),), brake=((0, 0),)):
+    """Scenario from knots (t [s], value): torques [N·m], positions [mm], grade [rad]."""
     return Scenario.from_signals(
         {
             "engine.torque": torque,
             "clutch1.position": mm(*clutch1),
             "clutch2.position": mm(*clutch2),
             "road.grade": grade,
+            "brake.torque": brake,
         }
     )
 
@@ -37,6 +38,28 @@ HILL = _scenario(
     [(0, 0), (0.6, 5), (1, 60), (3.5, 60)],
     [(0, 0), (0.5, 1.8), (1.4, 6.5), (3.5, 6.5)],
     grade=[(0, 0.1), (3.5, 0.1)],
+)
+HOLD = (
+    _scenario(  # the brake lets the vehicle roll back, stops it, holds it and hands it to clutch 1
+        [(0, 5), (1.4, 5), (1.8, 70), (4, 70)],
+        [(0, 0), (1.2, 1.8), (2.2, 6.5), (4, 6.5)],
+        grade=[(0, 0.1), (4, 0.1)],
+        brake=[
+            (0, 600),
+            (0.4, 600),
+            (0.6, 300),
+            (0.8, 300),
+            (0.9, 1200),
+            (1.6, 1200),
+            (2.2, 0),
+            (4, 0),
+        ],
+    )
+)
+STOP = _scenario(  # braked to a stop; dry rolling resistance alone holds until the road tilts
+    [(0, 0), (3, 0)],
+    grade=[(0, 0.008), (2.2, 0.008), (2.8, -0.02), (3, -0.02)],
+    brake=[(0, 0), (0.1, 0), (0.4, 900), (1.4, 900), (1.8, 0), (3, 0)],
 )
 BOTH = _scenario(
     [(0, 10), (0.6, 90), (2.5, 90)],
@@ -63,6 +86,11 @@ SMALL_CASES = (
     ),
     Case("coast_grade", COAST, 3.0, 80.0, 0.8, about="open coast through zero speed, uphill"),
     Case("hill_start", HILL, 3.5, 130.0, 0.0, about="roll-back on 10 %, then launch"),
+    Case("hill_hold", HOLD, 4.0, 130.0, 0.0, about="hill start from the brake, with a roll-back"),
+    Case(
+        *("stop_and_hold", STOP, 3.0, 90.0, 1.5),
+        **{"params": {"v_eps": 0.0}, "about": "brake to a stop; dry rolling resistance holds"},
+    ),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
     Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),
     Case("launch_h1", LAUNCH, **_LAUNCH, about="launch, held 1 ms"),

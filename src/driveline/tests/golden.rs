@@ -39,7 +39,7 @@ fn input_at(case: &Case, p: &Params, time: f64) -> Input {
             p.clutch[1].map.force(signal("clutch2.position")),
         ],
         gear: [1, 2],
-        t_brake: 0.0,
+        t_brake: case.scenario.optional("brake.torque", time),
         phi: signal("road.grade"),
     }
 }
@@ -78,12 +78,12 @@ fn compare(case: &Case, time: f64, y: &Output, misfit: &mut Misfit) {
         };
         *worst = worst.max((ours - theirs).abs());
     }
-    for i in [0, 1] {
-        assert_eq!(
-            f64::from(y.state[i] as u8),
-            row[11 + i],
-            "state of clutch {i} at {time} s"
-        );
+    if y.held {
+        assert_eq!(y.omega_w, 0.0, "held wheels creep at {time} s");
+    }
+    let states = [y.state[0] as u8, y.state[1] as u8, u8::from(y.held)];
+    for (i, (state, reference)) in states.into_iter().zip(&row[11..]).enumerate() {
+        assert_eq!(f64::from(state), *reference, "state {i} at {time} s");
     }
 }
 
@@ -92,17 +92,14 @@ fn rate_between(start: &Input, end: &Input, t: f64) -> InputRate {
     InputRate {
         t_e: (end.t_e - start.t_e) / t,
         force: [0, 1].map(|i| (end.force[i] - start.force[i]) / t),
-        t_brake: 0.0,
+        t_brake: (end.t_brake - start.t_brake) / t,
         phi: (end.phi - start.phi) / t,
     }
 }
 
 /// Runs a case over steps of `h` [s], inputs held or, with `ramps`, with their derivatives.
 fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
-    let p = Params {
-        rigid: case.rigid,
-        ..Params::TABLE_1
-    };
+    let p = case.params();
     let mut propagators = Propagators::new(&p, [1, 2], h);
     let mut plant = Plant::start(&p, &input_at(case, &p, 0.0), case.omega_e, case.v);
     let mut misfit = Misfit::default();
@@ -120,11 +117,17 @@ fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
             input
         };
         let rate = rate_between(&input, &next, end - time);
-        plant.step_observed(&p, &propagators, &input, &rate, |offset, before, after| {
-            for i in (0..2).filter(|i| before[*i] != after[*i]) {
-                ours.push(ClutchEvent::new(time + offset, i, before[i], after[i]));
-            }
-        });
+        plant.step_observed(
+            &p,
+            &mut propagators,
+            &input,
+            &rate,
+            |offset, before, after| {
+                for i in (0..3).filter(|i| before[*i] != after[*i]) {
+                    ours.push(ClutchEvent::new(time + offset, i, before[i], after[i]));
+                }
+            },
+        );
         compare(
             case,
             end,
@@ -165,7 +168,7 @@ macro_rules! held {
 
 held! {
     paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
-    slip_returns_h10 coast_grade hill_start launch_both launch_h10 launch_h1 launch_h01 last_step
+    slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold launch_both launch_h10 launch_h1 launch_h01 last_step
 }
 
 /// Knots of the inputs at multiples of the step: what is left are bends of the maps inside steps.

@@ -26,7 +26,7 @@ fn busy_input(time: f64) -> Input {
 
 /// Runs `seconds` of the busy inputs; `seen` gets every step's input and output.
 fn busy_run(p: &Params, swap: bool, seconds: u32, mut seen: impl FnMut(&Input, &Output)) -> Plant {
-    let propagators = Propagators::new(p, GEAR, H);
+    let mut propagators = Propagators::new(p, GEAR, H);
     let input = |k: u32| {
         let mut input = busy_input(f64::from(k) * H);
         if swap {
@@ -36,7 +36,7 @@ fn busy_run(p: &Params, swap: bool, seconds: u32, mut seen: impl FnMut(&Input, &
     };
     let mut plant = Plant::start(p, &input(0), 120.0, 1.0);
     for k in 0..seconds * 1000 {
-        plant.step(p, &propagators, &input(k), &InputRate::default());
+        plant.step(p, &mut propagators, &input(k), &InputRate::default());
         seen(
             &input(k),
             &plant.outputs(p, &propagators.systems, &input(k)),
@@ -109,12 +109,12 @@ fn lock_up_keeps_speed_and_momentum() {
         gear: GEAR,
         ..Input::default()
     };
-    let propagators = Propagators::new(&p, GEAR, H);
+    let mut propagators = Propagators::new(&p, GEAR, H);
     let mut plant = Plant::start(&p, &input, 120.0, 1.0);
     let mut before = plant;
     while plant.modes[0] != Mode::Stuck {
         before = plant;
-        plant.step(&p, &propagators, &input, &InputRate::default());
+        plant.step(&p, &mut propagators, &input, &InputRate::default());
     }
     let bound = |x: &State| {
         let v = [
@@ -197,8 +197,8 @@ fn swapped_clutches_mirror_the_result() {
 #[test]
 fn one_step_equals_two_halves() {
     let p = Params::TABLE_1;
-    let whole = Propagators::new(&p, GEAR, 2.0 * H);
-    let half = Propagators::new(&p, GEAR, H);
+    let mut whole = Propagators::new(&p, GEAR, 2.0 * H);
+    let mut half = Propagators::new(&p, GEAR, H);
     let input = Input {
         t_e: 50.0,
         force: [900.0, 0.0],
@@ -212,9 +212,9 @@ fn one_step_equals_two_halves() {
     };
     let mut one = Plant::start(&p, &input, 150.0, 5.0);
     let mut two = one;
-    one.step(&p, &whole, &input, &rate);
-    two.step(&p, &half, &input, &rate);
-    two.step(&p, &half, &input.after(&rate, H), &rate);
+    one.step(&p, &mut whole, &input, &rate);
+    two.step(&p, &mut half, &input, &rate);
+    two.step(&p, &mut half, &input.after(&rate, H), &rate);
     assert!((one.x - two.x).amax() < 1e-7, "{}", one.x - two.x);
 }
 

@@ -80,7 +80,7 @@ fn run_in(
         t_brake: 0.0,
         phi: case.scenario.at("road.grade", time),
     };
-    let propagators = Propagators::new(&p, gear, h);
+    let mut propagators = Propagators::new(&p, gear, h);
     let mut plant = Plant::start(&p, &input(0.0), case.omega_e, case.v);
     let mut observer = Paper::default();
     let mut score = Score::default();
@@ -93,7 +93,7 @@ fn run_in(
             let y = plant.outputs(&p, &propagators.systems, &u);
             observer.start(&p, settings, &sample(&case.scenario, time, &u, &y));
         }
-        plant.step(&p, &propagators, &u, &InputRate::default());
+        plant.step(&p, &mut propagators, &u, &InputRate::default());
         let y = plant.outputs(&p, &propagators.systems, &u);
         let estimate = observer.step(&p, settings, &sample(&case.scenario, time, &u, &y), h);
         score.add(&y, &estimate);

@@ -19,6 +19,7 @@ use dct_driveline::integrate::Propagators;
 use dct_driveline::observer::{LoadMethod, Observer, Paper, Sample, Settings};
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Plant};
+use dct_driveline::plant_matrices::Systems;
 use golden_files::Case;
 
 const H: f64 = 1e-3;
@@ -60,7 +61,7 @@ fn run(mu_n: [f64; 2], feedback: bool) -> Tracking {
         let clutch = &p.clutch[i];
         clutch.mu_k * clutch.map.force(theta) * clutch.r_c_n
     };
-    let propagators = Propagators::new(&p, GEAR, H);
+    let mut propagators = Propagators::new(&p, GEAR, H);
     let (mut theta, mut observer) = ([0.0; 2], Paper::default());
     let mut plant: Option<Plant> = None;
     let mut tracking = Tracking::default();
@@ -75,8 +76,8 @@ fn run(mu_n: [f64; 2], feedback: bool) -> Tracking {
         };
         let first = plant.is_none();
         let plant = plant.get_or_insert_with(|| Plant::start(&p, &u, case.omega_e, case.v));
-        let measure = |plant: &Plant| {
-            let y = plant.outputs(&p, &propagators.systems, &u);
+        let measure = |plant: &Plant, systems: &Systems| {
+            let y = plant.outputs(&p, systems, &u);
             let actuation = theta.map(|position| Actuation {
                 position,
                 pressure: 0.0,
@@ -96,10 +97,10 @@ fn run(mu_n: [f64; 2], feedback: bool) -> Tracking {
             )
         };
         if first {
-            observer.start(&p, &settings, &measure(plant).1);
+            observer.start(&p, &settings, &measure(plant, &propagators.systems).1);
         }
-        plant.step(&p, &propagators, &u, &InputRate::default());
-        let (y, sample) = measure(plant);
+        plant.step(&p, &mut propagators, &u, &InputRate::default());
+        let (y, sample) = measure(plant, &propagators.systems);
         let estimate = observer.step(&p, &settings, &sample, H);
         let wanted = request(time);
         for i in [0, 1] {

@@ -74,7 +74,7 @@ const INPUTS: [Variable<Plant>; 3] = [
         ports::BRAKE_TORQUE,
         U::NEWTON_METRE,
         |m: &mut Plant| &mut m.u.brake_torque,
-        "Brake torque at the wheels, against the motion",
+        "Brake torque at the wheels against the motion; at standstill it holds up to this torque",
     )
     .min(0.0)
     .rate(|m| &mut m.u_rate.brake_torque),
@@ -120,7 +120,7 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Plant>; 3] {
     ]
 }
 
-const SPEEDS: [Variable<Plant>; 6] = [
+const SPEEDS: [Variable<Plant>; 7] = [
     Variable::output(
         ports::ENGINE_SPEED,
         U::RADIAN_PER_SECOND,
@@ -163,6 +163,12 @@ const SPEEDS: [Variable<Plant>; 6] = [
         "dV/dt",
     )
     .depends_on(LOAD),
+    Variable::boolean_output(
+        "wheel.held",
+        |m: &mut Plant| &mut m.y.held,
+        "The wheels stand, and brake or dry rolling resistance holds them",
+    )
+    .depends_on(STATES),
 ];
 
 const TORQUES: [Variable<Plant>; 4] = [

@@ -4,11 +4,15 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
+use dct_driveline::Params;
 use dct_driveline::plant::ClutchState;
 use dct_driveline::plant_modes::Mode;
 
 /// Steps of an event that round-off at the touch point may move it by; no torque behind it.
 const TOUCH_STEPS: f64 = 2.0;
+
+/// FMI name of V_ε.
+const V_EPS: &str = "vehicle.rollingResistanceSpeed";
 
 /// Columns of a CSV by name.
 pub struct Table {
@@ -19,7 +23,8 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClutchEvent {
     pub time: f64,
-    clutch: usize,
+    /// 0 and 1: a clutch, 2: the brake.
+    part: usize,
     from: String,
     to: String,
     direction: f64,
@@ -33,6 +38,7 @@ pub struct Case {
     pub omega_e: f64,
     pub v: f64,
     pub rigid: bool,
+    v_eps: Option<f64>,
     pub turnover: f64,
     pub events: Vec<ClutchEvent>,
     pub scenario: Table,
@@ -40,11 +46,11 @@ pub struct Case {
 }
 
 impl ClutchEvent {
-    pub fn new(time: f64, clutch: usize, from: Mode, to: Mode) -> Self {
+    pub fn new(time: f64, part: usize, from: Mode, to: Mode) -> Self {
         let name = |mode: Mode| format!("{:?}", ClutchState::from(mode)).to_lowercase();
         Self {
             time,
-            clutch,
+            part,
             from: name(from),
             to: name(to),
             direction: to.direction(),
@@ -97,7 +103,30 @@ impl Table {
     }
 }
 
+impl Table {
+    /// Like [`Self::at`]; 0 for a column that cases without the input leave out.
+    pub fn optional(&self, name: &str, time: f64) -> f64 {
+        if self.columns.contains_key(name) {
+            self.at(name, time)
+        } else {
+            0.0
+        }
+    }
+}
+
 impl Case {
+    /// Parameters of the case.
+    pub fn params(&self) -> Params {
+        let mut p = Params {
+            rigid: self.rigid,
+            ..Params::TABLE_1
+        };
+        if let Some(v_eps) = self.v_eps {
+            p.road.v_eps = v_eps;
+        }
+        p
+    }
+
     pub fn read(name: &str) -> Self {
         let about = text(&format!("{name}.json"));
         let table = text(&format!("{name}.csv"));
@@ -111,6 +140,7 @@ impl Case {
             omega_e: number(&about, "engine.speed_start"),
             v: number(&about, "vehicle.speed_start"),
             rigid: about.contains("\"transmission.rigid\": true"),
+            v_eps: about.contains(V_EPS).then(|| number(&about, V_EPS)),
             turnover: number(&text(&format!("{name}.energy.json")), "turnover"),
             events: events(&text(&format!("{name}.events.json"))),
             scenario: Table::read(&field(&about, "scenario")),
@@ -175,7 +205,10 @@ fn events(json: &str) -> Vec<ClutchEvent> {
         .skip(1)
         .map(|event| ClutchEvent {
             time: number(event, "time"),
-            clutch: if field(event, "clutch") == "1" { 0 } else { 1 },
+            part: ["1", "2", "brake"]
+                .iter()
+                .position(|part| field(event, "clutch") == *part)
+                .unwrap(),
             from: field(event, "from"),
             to: field(event, "to"),
             direction: number(event, "direction"),

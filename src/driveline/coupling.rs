@@ -1,0 +1,46 @@
+//! What is connected to what in the driveline, and where its propagators come from.
+//!
+//! A change of it within a step (the brake lets the wheels go, say) takes other matrices from there on.
+//!
+//! ```
+//! use dct_driveline::coupling::{Coupling, Ladders};
+//! use dct_driveline::{Params, integrate::Propagators};
+//!
+//! let p = Params::TABLE_1;
+//! let mut ladders = Propagators::new(&p, [1, 2], 1e-3);
+//! let held = Coupling { gear: [1, 2], held: true };
+//! assert!(ladders.of(&p, held).fits(held, 1e-3));
+//! ```
+
+use crate::Params;
+use crate::integrate::Propagators;
+
+/// What is connected to what, clutches aside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Coupling {
+    /// Gears that act on the two shafts, shape (2); 0 is neutral.
+    pub gear: [i32; 2],
+    /// The brake holds the wheels: ω_w stays as it is.
+    pub held: bool,
+}
+
+impl From<[i32; 2]> for Coupling {
+    fn from(gear: [i32; 2]) -> Self {
+        Self { gear, held: false }
+    }
+}
+
+/// Where a plant finds the propagators of a communication step; its coupling may change within it.
+pub trait Ladders {
+    /// The propagators of the step with this coupling.
+    fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators;
+}
+
+impl Ladders for Propagators {
+    fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators {
+        if self.systems.coupling != coupling {
+            self.rebuild(p, coupling, self.h);
+        }
+        self
+    }
+}

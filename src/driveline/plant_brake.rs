@@ -1,0 +1,117 @@
+//! Brake and dry rolling resistance: friction between the wheels and the road that holds at standstill.
+//!
+//! Sliding, T_v of (11) carries T_b sgn ω_w beside the smooth road load. At ω_w = 0 the wheels are held
+//! while the torque on them, T_o − r_w M_v g sin φ, stays within T_b; beyond it they slide in its
+//! direction. Holding, release and passage through zero are located like the events of a clutch.
+//! A wheel reads and moves no clutch torque at an instant, so its mode is chosen before theirs.
+//!
+//! Deviation: the paper has no brake, and (11) has no standstill.
+
+use nalgebra::ComplexField;
+
+use crate::Params;
+use crate::plant::Plant;
+use crate::plant_matrices::{O, State, TWIST_O, W};
+use crate::plant_modes::{CAPACITY_MARGIN, Event, Guard, Mode};
+use crate::plant_ports::{Input, InputRate};
+use crate::shaft::sign;
+
+/// Wheel speed that counts as standstill [rad/s]: round-off of a held wheel.
+const STANDSTILL: f64 = 1e-12;
+
+impl Input {
+    /// T_v of (11) with the brake [N·m].
+    ///
+    /// `direction`: sgn ω_w as the brake sees it.
+    pub(crate) fn load_torque(&self, p: &Params, omega_w: f64, direction: f64) -> f64 {
+        p.road.smooth_load(omega_w, self.phi) + direction * self.brake_capacity(p)
+    }
+
+    /// ∂T_v/∂ω_w [N·m·s/rad].
+    pub(crate) fn load_slope(&self, p: &Params, omega_w: f64) -> f64 {
+        p.road.load_torque_slope(omega_w, self.phi)
+    }
+
+    /// Largest dry friction torque at the wheels [N·m], ≥ 0.
+    fn brake_capacity(&self, p: &Params) -> f64 {
+        self.t_brake + p.road.dry_rolling(self.phi)
+    }
+
+    /// Rate of [`Self::brake_capacity`] [N·m/s].
+    fn brake_capacity_rate(&self, p: &Params, rate: &InputRate) -> f64 {
+        let rolling = -p.road.dry_rolling(0.0) * ComplexField::sin(self.phi) * rate.phi;
+        rate.t_brake + rolling
+    }
+}
+
+/// T_o of (10) [N·m] from a state, or its rate from the state's rate.
+pub(crate) fn drive_shaft_torque(p: &Params, x: &State) -> f64 {
+    p.k_o * x[TWIST_O] + p.c_o * (x[O] - x[W])
+}
+
+/// What would set standing wheels in motion [N·m]: T_o − r_w M_v g sin φ.
+fn urge(p: &Params, x: &State, input: &Input) -> f64 {
+    drive_shaft_torque(p, x) - p.road.r_w * p.road.weight() * ComplexField::sin(input.phi)
+}
+
+/// The two guards of the brake: speed in the direction of sliding, or capacity left both ways.
+///
+/// `x_dot`: rate of the state `x`.
+pub(crate) fn guards(
+    p: &Params,
+    mode: Mode,
+    x: &State,
+    x_dot: &State,
+    input: &Input,
+    rate: &InputRate,
+) -> [Guard; 2] {
+    let guard = |value, rate| Guard { value, rate };
+    if mode != Mode::Stuck {
+        let direction = mode.direction();
+        return [
+            guard(direction * x[W], direction * x_dot[W]),
+            guard(0.0, 0.0),
+        ];
+    }
+    let slope = p.road.r_w * p.road.weight() * ComplexField::cos(input.phi) * rate.phi;
+    let (urge, urge_rate) = (urge(p, x, input), drive_shaft_torque(p, x_dot) - slope);
+    let (reach, reach_rate) = (input.brake_capacity(p), input.brake_capacity_rate(p, rate));
+    [-1.0, 1.0].map(|sign| guard(reach + sign * urge, reach_rate + sign * urge_rate))
+}
+
+impl Plant {
+    /// Takes the mode of the brake that is consistent after `event`; held wheels stand exactly still.
+    pub(crate) fn resolve_brake(
+        &mut self,
+        p: &Params,
+        input: &Input,
+        rate: &InputRate,
+        event: &Event,
+    ) {
+        let capacity = input.brake_capacity(p);
+        let standing =
+            self.brake == Mode::Stuck || event.wheel_reached || self.x[W].abs() <= STANDSTILL;
+        let urge = urge(p, &self.x, input);
+        self.brake = if capacity <= 0.0 && input.brake_capacity_rate(p, rate) <= 0.0 {
+            Mode::Open
+        } else if !standing {
+            Mode::slipping(self.x[W])
+        } else if event.wheel_broken || urge.abs() > capacity * (1.0 + CAPACITY_MARGIN) {
+            Mode::slipping(urge)
+        } else {
+            Mode::Stuck
+        };
+        if self.brake == Mode::Stuck || event.wheel_reached {
+            self.work.load += 0.5 * p.j_v * self.x[W] * self.x[W];
+            self.x[W] = 0.0;
+        }
+    }
+
+    /// sgn ω_w as the brake sees it [1]; 0 while it holds.
+    pub(crate) fn brake_direction(&self) -> f64 {
+        match self.brake {
+            Mode::Open => sign(self.x[W]),
+            mode => mode.direction(),
+        }
+    }
+}
