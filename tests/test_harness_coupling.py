@@ -2,8 +2,8 @@
 
 Plant, observer, control step in this order. Over the step from row k to row k + 1 the plant has
 the control's positions of row k; the observer has the plant's speeds of row k + 1 and the same
-positions as the plant; the control has the observer's friction of row k + 1; the scenario's
-signals are those of row k.
+positions as the plant; the control has speeds and estimates of row k + 1; the scenario's signals
+are those of row k.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from harness_fixture.lag_fmu import run
 
 STOP = "2.8"  # s: clutch 1 slips and locks up
 STARTS = ("--set", "plant.vehicle.speed_start=3.0")
-FRESH = {"plant": (), "observer": ("plant",), "control": ("observer",)}
+FRESH = {"plant": (), "observer": ("plant",), "control": ("plant", "observer")}
 MODELS = {"plant": "DctPlant", "observer": "DctObserver", "control": "DctClutchControl"}
 
 

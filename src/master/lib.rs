@@ -9,7 +9,8 @@
 //! ```
 //!
 //! An input takes the equal-named output of another FMU, else the scenario's signal of that name,
-//! unless a start value was given for it, which then stays. Within a step the FMUs run one after
+//! unless a start value was given for it, which then stays; where plant and observer both give a name,
+//! the control reads the estimate. Within a step the FMUs run one after
 //! the other on the newest values (Gauss-Seidel). Time is counted in whole steps: the
 //! communication point k is `k * step`, never a sum.
 //!

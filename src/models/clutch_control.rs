@@ -1,15 +1,16 @@
 //! `DctClutchControl`: torque requests become actuator positions, as an FMU.
 //!
-//! With feedback the friction comes from the observer, without it from the nominal value: the
-//! map-based control. Positions are written by a step, so they depend on states only.
+//! With feedback the friction comes from the observer, and its torque estimates may close two more
+//! loops; without it the nominal friction counts alone: the map-based control. Positions are written by a
+//! step, so they depend on states only.
 
-use crate::ports;
-use crate::rows::table;
-use crate::vehicle::{Vehicle, actuator, check_maps};
+mod table;
+
+use crate::vehicle::{Vehicle, check_maps, invalid};
 use dct_driveline::Params;
-use dct_driveline::control::{limit_rate, position};
+use dct_driveline::control::{Demand, Rate, Servo, Tuning};
 use dct_driveline::observer::Settings;
-use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Unit as U, Variable};
+use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 
 /// The control: what it believes of the clutches, inputs, positions.
 #[derive(Clone)]
@@ -17,30 +18,66 @@ pub struct ClutchControl {
     p: Params,
     /// μ_n [1].
     nominal_friction: [f64; 2],
-    /// Fastest motion of the actuators [m/s].
-    rate_limit: [f64; 2],
+    /// Rate, stroke and gains per clutch.
+    tuning: [Tuning; 2],
     feedback: bool,
     /// Requested torques [N·m].
     request: [f64; 2],
-    /// μ̂·f of the observer [N/m].
+    /// ω_e [rad/s].
+    omega_e: f64,
+    /// ω_c1, ω_c2 [rad/s].
+    omega_c: [f64; 2],
+    estimate: Estimate,
+    state: State,
+}
+
+/// What the observer says.
+#[derive(Debug, Clone, Copy)]
+struct Estimate {
+    /// μ̂·f [N/m].
     mu_f: [f64; 2],
-    /// μ̂ of the observer [1].
+    /// μ̂ [1].
     friction: [f64; 2],
-    /// Positions [m].
-    position: [f64; 2],
+    /// T̂_c1, T̂_c2 [N·m].
+    t_c: [f64; 2],
+    /// T̂_o [N·m].
+    t_o: f64,
+    valid: bool,
+}
+
+/// What lasts from step to step.
+#[derive(Debug, Clone, Copy, Default)]
+struct State {
+    servo: [Servo; 2],
+    t_o: Rate,
+    /// Friction of the last valid estimate [1]; 0: none yet.
+    mu: [f64; 2],
 }
 
 impl Default for ClutchControl {
     fn default() -> Self {
+        let tuning = Tuning {
+            rate: 0.2,
+            stroke: [0.0, Params::TABLE_1.clutch[0].map.position[9]],
+            torque_gain: Tuning::TORQUE_GAIN,
+            damping: 0.0,
+        };
         Self {
             p: Params::TABLE_1,
             nominal_friction: Settings::CASE_1.mu_n,
-            rate_limit: [0.2; 2],
+            tuning: [tuning; 2],
             feedback: true,
             request: [0.0; 2],
-            mu_f: [0.0; 2],
-            friction: [0.0; 2],
-            position: [0.0; 2],
+            omega_e: 0.0,
+            omega_c: [0.0; 2],
+            estimate: Estimate {
+                mu_f: [0.0; 2],
+                friction: [0.0; 2],
+                t_c: [0.0; 2],
+                t_o: 0.0,
+                valid: true,
+            },
+            state: State::default(),
         }
     }
 }
@@ -52,38 +89,64 @@ impl Vehicle for ClutchControl {
 }
 
 impl ClutchControl {
-    /// Friction coefficient to count on [1].
+    /// Friction coefficient that the observer knows [1].
     ///
     /// An observer that gives no μ̂ (0) is asked for μ̂·f, which the present position turns into one.
-    fn mu(&self, i: usize) -> f64 {
-        let theta = self.position[i];
+    fn learnt(&self, i: usize) -> Option<f64> {
+        let theta = self.state.servo[i].position;
         let force = self.p.clutch[i].map.force(theta);
-        if !self.feedback {
-            self.nominal_friction[i]
-        } else if self.friction[i] > 0.0 {
-            self.friction[i]
-        } else if force > 0.0 && self.mu_f[i] > 0.0 {
-            self.mu_f[i] * theta / force
+        if self.estimate.friction[i] > 0.0 {
+            Some(self.estimate.friction[i])
+        } else if force > 0.0 && self.estimate.mu_f[i] > 0.0 {
+            Some(self.estimate.mu_f[i] * theta / force)
+        } else {
+            None
+        }
+    }
+
+    /// Friction coefficient to count on [1]: one that is not valid any more stays the last that was.
+    fn mu(&mut self, i: usize) -> f64 {
+        if self.estimate.valid {
+            self.state.mu[i] = self.learnt(i).unwrap_or(0.0);
+        }
+        if self.feedback && self.state.mu[i] > 0.0 {
+            self.state.mu[i]
         } else {
             self.nominal_friction[i]
         }
     }
 
-    /// Position of each request [m].
-    fn targets(&self) -> [f64; 2] {
-        [0, 1].map(|i| position(&self.p.clutch[i], self.request[i], self.mu(i)))
+    fn demand(&mut self, i: usize, t_o_rate: f64) -> Demand {
+        let trusted = self.feedback && self.estimate.valid;
+        Demand {
+            request: self.request[i],
+            slip: self.omega_e - self.omega_c[i],
+            mu: self.mu(i),
+            torque: trusted.then_some(self.estimate.t_c[i]),
+            t_o_rate,
+        }
+    }
+
+    /// A stroke has a length.
+    fn check_stroke(&self) -> Result<(), Failure> {
+        for (i, tuning) in self.tuning.iter().enumerate() {
+            let [low, high] = tuning.stroke;
+            if high <= low {
+                let remedy = "must be above strokeMinimum of the same clutch";
+                return Err(invalid(table::STROKE_MAXIMUM[i], high, remedy));
+            }
+        }
+        Ok(())
     }
 }
 
 impl Model for ClutchControl {
     const NAME: &'static str = "DctClutchControl";
     const DESCRIPTION: &'static str =
-        "Clutch control: requested clutch torques and estimated friction to actuator positions";
+        "Clutch control: requested clutch torques and estimates to actuator positions";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
-    const VARIABLES: &'static [Variable<Self>] = table!(ClutchControl:
-        FEEDBACK, clutch::<0>(), clutch::<1>(), actuator::<_, 0>(), actuator::<_, 1>(),
-    );
+    const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,
         stop: 30.0,
@@ -92,71 +155,32 @@ impl Model for ClutchControl {
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
         check_maps(&self.p)?;
-        self.position = [0.0; 2];
-        self.position = self.targets();
+        self.check_stroke()?;
+        self.state = State {
+            t_o: Rate::at(self.estimate.t_o),
+            ..State::default()
+        };
+        for i in [0, 1] {
+            let demand = self.demand(i, 0.0);
+            self.state.servo[i] = Servo::start(&self.p.clutch[i], &self.tuning[i], &demand);
+        }
         Ok(())
     }
 
     fn step(&mut self, _time: f64, step: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
-        let target = self.targets();
-        self.position =
-            [0, 1].map(|i| limit_rate(self.position[i], target[i], self.rate_limit[i], step));
+        let rate = self.state.t_o.step(self.estimate.t_o, step);
+        for i in [0, 1] {
+            let demand = self.demand(i, rate);
+            self.state.servo[i].step(&self.p.clutch[i], &self.tuning[i], &demand, step);
+        }
         Ok(())
     }
 
-    fn hidden_state(&mut self, _fields: &mut dyn StateFields) {}
-}
-
-const FEEDBACK: [Variable<ClutchControl>; 1] = [Variable::boolean_input(
-    "feedback.enabled",
-    |m: &mut ClutchControl| &mut m.feedback,
-    "Use the observer's friction; otherwise the nominal one (map-based control)",
-)];
-
-const fn clutch<const I: usize>() -> [Variable<ClutchControl>; 6] {
-    let rate_limit = ["clutch1.rateLimit", "clutch2.rateLimit"][I];
-    [
-        Variable::input(
-            ports::CLUTCH_TORQUE_REQUEST[I],
-            U::NEWTON_METRE,
-            |m: &mut ClutchControl| &mut m.request[I],
-            "Torque the clutch shall carry when it slips; 0 opens it",
-        )
-        .min(0.0),
-        Variable::input(
-            ports::CLUTCH_FRICTION[I],
-            U::ONE,
-            |m: &mut ClutchControl| &mut m.friction[I],
-            "Friction coefficient from the observer; 0: take muF instead",
-        ),
-        Variable::input(
-            ports::CLUTCH_MU_F[I],
-            U::NEWTON_PER_METRE,
-            |m: &mut ClutchControl| &mut m.mu_f[I],
-            "Adapted mu f from the observer, used where it gives no friction",
-        ),
-        Variable::output(
-            ports::CLUTCH_POSITION[I],
-            U::METRE,
-            |m: &mut ClutchControl| &mut m.position[I],
-            "theta_m: actuator position",
-        )
-        .depends_on(&[]),
-        Variable::parameter(
-            ports::CLUTCH_NOMINAL_FRICTION[I],
-            U::ONE,
-            |m: &mut ClutchControl| &mut m.nominal_friction[I],
-            "mu_n: friction coefficient without feedback",
-        )
-        .min(0.02)
-        .max(1.0)
-        .tunable(),
-        Variable::parameter(
-            rate_limit,
-            U::METRE_PER_SECOND,
-            |m: &mut ClutchControl| &mut m.rate_limit[I],
-            "Fastest motion of the actuator",
-        )
-        .min(1e-6),
-    ]
+    fn hidden_state(&mut self, fields: &mut dyn StateFields) {
+        fields.real(self.state.t_o.state());
+        fields.reals(&mut self.state.mu);
+        for servo in &mut self.state.servo {
+            fields.real(&mut servo.mu);
+        }
+    }
 }

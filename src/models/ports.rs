@@ -29,6 +29,8 @@ pub const CLUTCH_SPEED: [&str; 2] = ["clutch1.speed", "clutch2.speed"];
 pub const CLUTCH_TORQUE: [&str; 2] = ["clutch1.torque", "clutch2.torque"];
 /// Requested clutch torques [N·m].
 pub const CLUTCH_TORQUE_REQUEST: [&str; 2] = ["clutch1.torqueRequest", "clutch2.torqueRequest"];
+/// The observer trusts its estimate.
+pub const STATUS_VALID: &str = "status.valid";
 /// Adapted μ·f of (23), (24) [N/m].
 pub const CLUTCH_MU_F: [&str; 2] = ["clutch1.muF", "clutch2.muF"];
 /// Friction coefficients learnt while slipping [1].

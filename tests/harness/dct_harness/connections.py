@@ -2,6 +2,8 @@
 
 A tunable parameter counts as an input where the scenario has a column of its name: friction that
 fades during a shift, say.
+
+An estimate carries the name of the truth. Where both are there, the control reads the observer's.
 """
 
 from __future__ import annotations
@@ -42,6 +44,8 @@ def _source(
     """Return the one equal-named output of another component, else the scenario's signal."""
     others = (n for n in system.components if n != component)
     equal = [f"{n}.{variable}" for n in others if f"{n}.{variable}" in outputs]
+    if component == "control" and equal == [f"plant.{variable}", f"observer.{variable}"]:
+        equal = equal[1:]
     if len(equal) > 1:
         raise ConfigError(
             f"{system.path}: '{component}.{variable}' has several sources ({', '.join(equal)}); "
