@@ -16,6 +16,7 @@ mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;
+mod plant_rows;
 pub mod reduced;
 mod rung;
 mod shaft;

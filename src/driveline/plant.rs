@@ -27,6 +27,7 @@ use crate::plant_brake::drive_shaft_torque;
 use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Load, Mode, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
+use crate::shaft::Grade;
 
 /// Events one step may hold; beyond them its rest is one smooth piece.
 const MAX_EVENTS: u32 = 32;
@@ -44,6 +45,8 @@ pub struct Plant {
     pub work: Work,
     /// Energy stored at the start [J].
     pub stored_at_start: f64,
+    /// The grade of the last step, so that its sine and cosine are not computed anew.
+    pub(crate) grade: Grade,
 }
 
 impl Plant {
@@ -63,6 +66,7 @@ impl Plant {
             brake: Mode::Open,
             work: Work::default(),
             stored_at_start: systems.stored_energy(&x),
+            grade: Grade::LEVEL.at(input.phi),
         };
         let (held, none) = (InputRate::default(), Event::default());
         plant.resolve_brake(p, input, &held, &none);
@@ -112,6 +116,7 @@ impl Plant {
         let (mut done, mut piece, mut events) = (0, 0, 0);
         let mut cap = LADDER;
         let before = self.all_modes();
+        self.grade = self.grade.at(now.phi);
         self.resolve_all(p, ladders, &now, &rate, &Event::default());
         report(0.0, before, self.all_modes());
         while done < TICKS {
@@ -146,16 +151,18 @@ impl Plant {
         let t_v = if held {
             drive_shaft_torque(p, x)
         } else {
-            input.load_torque(p, x[W], self.brake_direction())
+            let grade = self.grade.at(input.phi);
+            let direction = self.brake_direction();
+            input.load_torque(p, grade, x[W], direction).0
         };
         let v = torques(p, self.modes, input.t_e, input.force, t_v);
         let system = &systems.by_stuck[stuck_set(self.modes)];
-        let x_dot = system.derivative(x, &v);
-        let t_c = system.clutch_torque(x, &v);
+        let t_c = [0, 1].map(|i| system.rows.torque[i].of(x, &v));
         let slip = self.slip();
         let [t_d, mut t_t @ .., t_o]: [f64; 4] = (systems.spring_torque * x).into();
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
-            t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * x_dot[C + i]);
+            let omega_c_dot = system.derivative(x, &v)[C + i];
+            t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
         }
         Output {
             omega_e: x[E],
@@ -164,7 +171,7 @@ impl Plant {
             omega_o: x[O],
             omega_w: x[W],
             vehicle_speed: p.road.r_w * x[W],
-            vehicle_acceleration: p.road.r_w * x_dot[W],
+            vehicle_acceleration: p.road.r_w * system.rows.wheel_rate.of(x, &v),
             t_d,
             t_c,
             t_t,
@@ -237,7 +244,8 @@ impl Plant {
         }
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);
-        let t_v = input.load_torque(p, self.x[W], self.brake.direction());
+        let grade = self.grade.at(input.phi);
+        let (t_v, _) = input.load_torque(p, grade, self.x[W], self.brake.direction());
         let load = Load::new(
             p,
             Torques::from([input.t_e, 0.0, 0.0, t_v]),

@@ -7,11 +7,14 @@ use crate::plant_brake;
 use crate::plant_matrices::{STATES, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant_ports::{Input, InputRate};
+use crate::shaft::Grade;
 
 /// Index of the brake among guards.
 const BRAKE: usize = 2;
 /// Newton steps on the load at the end of a block; each squares the error left.
 const LOAD_ITERATIONS: u32 = 3;
+/// Correction of ω_w [rad/s] whose square, the error left by Newton's step, is below round-off.
+const LOAD_SETTLED: f64 = 1e-8;
 
 /// v with friction torques in slipping clutches, shape (4).
 pub(crate) fn torques(
@@ -35,6 +38,7 @@ pub(crate) struct Block {
     input: Input,
     pub(crate) input_end: Input,
     rate: InputRate,
+    grade_end: Grade,
 }
 
 impl Block {
@@ -48,7 +52,9 @@ impl Block {
     ) -> Self {
         let input_end = input.after(rate, rung.t);
         let direction = plant.brake.direction();
-        let t_v = input.load_torque(p, plant.x[W], direction);
+        let grade = plant.grade.at(input.phi);
+        let grade_end = grade.at(input_end.phi);
+        let (t_v, _) = input.load_torque(p, grade, plant.x[W], direction);
         let v = torques(p, plant.modes, input.t_e, input.force, t_v);
         let v_dot = torques(p, plant.modes, rate.t_e, rate.force, 0.0);
         let mut z = Augmented::zeros();
@@ -58,8 +64,7 @@ impl Block {
             .copy_from(&v_dot);
         let mut motion = rung.motion(&z);
         let ramp = load_ramp(rung, &z, &motion, |omega_w| {
-            let t_v = input_end.load_torque(p, omega_w, direction);
-            (t_v, input_end.load_slope(p, omega_w))
+            input_end.load_torque(p, grade_end, omega_w, direction)
         });
         rung.add_load_ramp(&mut motion, ramp);
         z[STATES + 2 * TORQUES - 1] = ramp;
@@ -71,6 +76,7 @@ impl Block {
             input: *input,
             input_end,
             rate: *rate,
+            grade_end,
         }
     }
 
@@ -126,12 +132,7 @@ impl Block {
         } else {
             self.z.fixed_rows::<STATES>(0).into_owned()
         };
-        let x_dot = system.derivative(&x, &v);
-        let slips = slip(&x).into_iter().zip(slip(&x_dot));
-        let torques = system
-            .clutch_torque(&x, &v)
-            .into_iter()
-            .zip(system.clutch_torque(&x_dot, &v_dot));
+        let rows = &system.rows;
         let mut guards = [[Guard {
             value: 0.0,
             rate: 0.0,
@@ -142,9 +143,11 @@ impl Block {
             } else {
                 &self.input
             };
-            guards[BRAKE] = plant_brake::guards(p, brake, &x, &x_dot, input, &self.rate);
+            let grade = self.grade_end.at(input.phi);
+            let x_dot = system.derivative(&x, &v);
+            guards[BRAKE] = plant_brake::guards(p, grade, brake, &x, &x_dot, input, &self.rate);
         }
-        for (i, (slip, torque)) in slips.zip(torques).enumerate() {
+        for i in [0, 1] {
             let force = (
                 self.input.force[i] + self.rate.force[i] * t,
                 self.rate.force[i],
@@ -152,9 +155,14 @@ impl Block {
             let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n;
             guards[i] = match modes[i] {
                 Mode::Open => continue,
-                Mode::Stuck => [-1.0, 1.0].map(|sign| weighted(reach, force, sign, torque)),
+                Mode::Stuck => {
+                    let torque = rows.torque[i].of(&x, &v);
+                    let rate = rows.torque_rate[i].of(&x, &v) + rows.torque[i].of_torques(&v_dot);
+                    [-1.0, 1.0].map(|sign| weighted(reach, force, sign, (torque, rate)))
+                }
                 sliding => {
                     let direction = sliding.direction();
+                    let slip = (slip(&x)[i], rows.slip_rate[i].of(&x, &v));
                     [
                         weighted(0.0, force, direction, slip),
                         weighted(1.0, force, 0.0, slip),
@@ -185,7 +193,11 @@ fn load_ramp(rung: &Rung, z: &Augmented, motion: &Motion, load: impl Fn(f64) -> 
     for _ in 0..LOAD_ITERATIONS {
         let omega_w = held + gain * ramp;
         let (end, slope) = load(omega_w);
-        ramp -= (end - t_v - ramp * rung.t) / (slope * gain - rung.t);
+        let change = (end - t_v - ramp * rung.t) / (slope * gain - rung.t);
+        ramp -= change;
+        if (gain * change).abs() < LOAD_SETTLED {
+            break;
+        }
     }
     ramp
 }

@@ -7,14 +7,12 @@
 //!
 //! Deviation: the paper has no brake, and (11) has no standstill.
 
-use nalgebra::ComplexField;
-
 use crate::Params;
 use crate::plant::Plant;
 use crate::plant_matrices::{O, State, TWIST_O, W};
 use crate::plant_modes::{CAPACITY_MARGIN, Event, Guard, Mode};
 use crate::plant_ports::{Input, InputRate};
-use crate::shaft::sign;
+use crate::shaft::{Grade, sign};
 
 /// Wheel speed that counts as standstill [rad/s]: round-off of a held wheel.
 const STANDSTILL: f64 = 1e-12;
@@ -23,23 +21,26 @@ impl Input {
     /// T_v of (11) with the brake [N·m].
     ///
     /// `direction`: sgn ω_w as the brake sees it.
-    pub(crate) fn load_torque(&self, p: &Params, omega_w: f64, direction: f64) -> f64 {
-        p.road.smooth_load(omega_w, self.phi) + direction * self.brake_capacity(p)
-    }
-
-    /// ∂T_v/∂ω_w [N·m·s/rad].
-    pub(crate) fn load_slope(&self, p: &Params, omega_w: f64) -> f64 {
-        p.road.load_torque_slope(omega_w, self.phi)
+    /// Returns its slope by ω_w [N·m·s/rad] as well.
+    pub(crate) fn load_torque(
+        &self,
+        p: &Params,
+        grade: Grade,
+        omega_w: f64,
+        direction: f64,
+    ) -> (f64, f64) {
+        let (smooth, slope) = p.road.smooth_load(omega_w, grade);
+        (smooth + direction * self.brake_capacity(p, grade), slope)
     }
 
     /// Largest dry friction torque at the wheels [N·m], ≥ 0.
-    fn brake_capacity(&self, p: &Params) -> f64 {
-        self.t_brake + p.road.dry_rolling(self.phi)
+    fn brake_capacity(&self, p: &Params, grade: Grade) -> f64 {
+        self.t_brake + p.road.dry_rolling(grade)
     }
 
     /// Rate of [`Self::brake_capacity`] [N·m/s].
-    fn brake_capacity_rate(&self, p: &Params, rate: &InputRate) -> f64 {
-        let rolling = -p.road.dry_rolling(0.0) * ComplexField::sin(self.phi) * rate.phi;
+    fn brake_capacity_rate(p: &Params, grade: Grade, rate: &InputRate) -> f64 {
+        let rolling = -p.road.dry_rolling(Grade::LEVEL) * grade.sin * rate.phi;
         rate.t_brake + rolling
     }
 }
@@ -50,8 +51,8 @@ pub(crate) fn drive_shaft_torque(p: &Params, x: &State) -> f64 {
 }
 
 /// What would set standing wheels in motion [N·m]: T_o − r_w M_v g sin φ.
-fn urge(p: &Params, x: &State, input: &Input) -> f64 {
-    drive_shaft_torque(p, x) - p.road.r_w * p.road.weight() * ComplexField::sin(input.phi)
+fn urge(p: &Params, grade: Grade, x: &State) -> f64 {
+    drive_shaft_torque(p, x) - p.road.r_w * p.road.weight() * grade.sin
 }
 
 /// The two guards of the brake: speed in the direction of sliding, or capacity left both ways.
@@ -59,6 +60,7 @@ fn urge(p: &Params, x: &State, input: &Input) -> f64 {
 /// `x_dot`: rate of the state `x`.
 pub(crate) fn guards(
     p: &Params,
+    grade: Grade,
     mode: Mode,
     x: &State,
     x_dot: &State,
@@ -73,9 +75,12 @@ pub(crate) fn guards(
             guard(0.0, 0.0),
         ];
     }
-    let slope = p.road.r_w * p.road.weight() * ComplexField::cos(input.phi) * rate.phi;
-    let (urge, urge_rate) = (urge(p, x, input), drive_shaft_torque(p, x_dot) - slope);
-    let (reach, reach_rate) = (input.brake_capacity(p), input.brake_capacity_rate(p, rate));
+    let slope = p.road.r_w * p.road.weight() * grade.cos * rate.phi;
+    let (urge, urge_rate) = (urge(p, grade, x), drive_shaft_torque(p, x_dot) - slope);
+    let (reach, reach_rate) = (
+        input.brake_capacity(p, grade),
+        Input::brake_capacity_rate(p, grade, rate),
+    );
     [-1.0, 1.0].map(|sign| guard(reach + sign * urge, reach_rate + sign * urge_rate))
 }
 
@@ -88,11 +93,12 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
-        let capacity = input.brake_capacity(p);
+        let grade = self.grade.at(input.phi);
+        let capacity = input.brake_capacity(p, grade);
         let standing =
             self.brake == Mode::Stuck || event.wheel_reached || self.x[W].abs() <= STANDSTILL;
-        let urge = urge(p, &self.x, input);
-        self.brake = if capacity <= 0.0 && input.brake_capacity_rate(p, rate) <= 0.0 {
+        let urge = urge(p, grade, &self.x);
+        self.brake = if capacity <= 0.0 && Input::brake_capacity_rate(p, grade, rate) <= 0.0 {
             Mode::Open
         } else if !standing {
             Mode::slipping(self.x[W])

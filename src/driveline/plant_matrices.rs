@@ -12,6 +12,7 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
+pub use crate::plant_rows::{Row, Rows};
 
 /// Number of states: ω_e ω_d ω_c1 ω_c2 ω_o ω_w, then the twists of damper, transfer shafts, drive
 /// shaft.
@@ -66,6 +67,8 @@ pub struct System {
     pub t_c_v: SMatrix<f64, 2, TORQUES>,
     /// Speed change per slip removed by an impulse in the engaged clutches, shape (10, 2).
     pub projection: SMatrix<f64, STATES, 2>,
+    /// What guards watch.
+    pub rows: Rows,
 }
 
 impl System {
@@ -253,9 +256,11 @@ fn engaged_driveline(
     let act = b.fixed_columns::<2>(1);
     let mut b = free;
     b.fixed_columns_mut::<2>(1).fill(0.0);
+    let (a, b) = (a + act * t_c_x, b + act * t_c_v);
     System {
-        a: a + act * t_c_x,
-        b: b + act * t_c_v,
+        rows: Rows::new(&a, &b, &t_c_x, &t_c_v),
+        a,
+        b,
         t_c_x,
         t_c_v,
         projection,

@@ -151,6 +151,9 @@ impl Load {
 
 /// Removes the slip of the clutches in `set` by impulses in them; momentum is kept.
 pub fn project(systems: &Systems, set: usize, x: &mut State) {
+    if set == 0 {
+        return;
+    }
     let removed = slip(x);
     *x -= systems.by_stuck[set].projection * nalgebra::Vector2::from(removed);
 }
@@ -172,6 +175,9 @@ pub fn resolve(
     });
     if let ([one], [two]) = (choices[0], choices[1]) {
         return [*one, *two];
+    }
+    if let Some(modes) = all_stuck(systems, x, load, choices) {
+        return modes;
     }
     let mut best: Option<([Mode; 2], usize, f64)> = None;
     for &one in choices[0] {
@@ -200,6 +206,24 @@ fn choices(pressed: bool, at_zero: bool, broken: bool, slip: f64) -> &'static [M
         (true, false, _) if slip > 0.0 => &[Mode::Forward],
         (true, false, _) => &[Mode::Backward],
     }
+}
+
+/// Every clutch stuck that stands at zero slip, where all of them may be: no other set engages more.
+fn all_stuck(
+    systems: &Systems,
+    x: &State,
+    load: &Load,
+    choices: [&[Mode]; 2],
+) -> Option<[Mode; 2]> {
+    let modes = choices.map(|choices| choices.first().copied().unwrap_or(Mode::Open));
+    let rows = &systems.by_stuck[stuck_set(modes)].rows;
+    let v = load.torques_in(modes);
+    let holds = |i: usize| {
+        let torque = rows.torque[i].of(x, &v);
+        modes[i] == Mode::Stuck && torque.abs() <= load.peak[i] * (1.0 + CAPACITY_MARGIN)
+    };
+    let all = (0..2).all(|i| choices[i].len() == 1 || holds(i));
+    all.then_some(modes)
 }
 
 /// How many clutches `modes` engages and how loaded they would be all engaged; None: inconsistent.

@@ -29,16 +29,26 @@ impl RoadParams {
     /// dry friction.
     ///
     /// `omega_w`: wheel speed [rad/s]. `phi`: road grade [rad].
-    pub(crate) fn smooth_load(&self, omega_w: f64, phi: f64) -> f64 {
-        self.load_torque(omega_w, phi) - self.dry_rolling(phi) * self.direction(omega_w)
+    /// Returns its slope by ω_w [N·m·s/rad] as well.
+    pub(crate) fn smooth_load(&self, omega_w: f64, grade: Grade) -> (f64, f64) {
+        let v = self.r_w * omega_w;
+        let drag = 0.5 * self.rho_air * self.a_v * self.c_drag * v.abs();
+        let (mut force, mut slope) = (self.weight() * grade.sin + drag * v, 2.0 * drag);
+        if self.v_eps > 0.0 {
+            let roll = self.weight() * grade.cos * self.c_rr;
+            let direction = ComplexField::tanh(v / self.v_eps);
+            force += roll * direction;
+            slope += roll * (1.0 - direction * direction) / self.v_eps;
+        }
+        (self.r_w * force, self.r_w * self.r_w * slope)
     }
 
     /// Rolling resistance that is dry friction [N·m], ≥ 0; 0 where V_ε smooths it.
-    pub(crate) fn dry_rolling(&self, phi: f64) -> f64 {
+    pub(crate) fn dry_rolling(&self, grade: Grade) -> f64 {
         if self.v_eps > 0.0 {
             0.0
         } else {
-            self.r_w * self.rolling(phi)
+            self.r_w * self.weight() * grade.cos * self.c_rr
         }
     }
 
@@ -81,6 +91,33 @@ impl RoadParams {
     }
 }
 
+/// A road grade with its sine and cosine, which seldom change from one step to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grade {
+    phi: f64,
+    pub(crate) sin: f64,
+    pub(crate) cos: f64,
+}
+
+impl Grade {
+    /// The level road.
+    pub(crate) const LEVEL: Self = Self {
+        phi: 0.0,
+        sin: 0.0,
+        cos: 1.0,
+    };
+
+    /// A grade of `phi` [rad]; this one where it is the same.
+    pub(crate) fn at(self, phi: f64) -> Self {
+        if phi == self.phi {
+            self
+        } else {
+            let (sin, cos) = (ComplexField::sin(phi), ComplexField::cos(phi));
+            Self { phi, sin, cos }
+        }
+    }
+}
+
 /// sgn x, 0 at 0 [1].
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
@@ -88,6 +125,7 @@ pub(crate) fn sign(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::Grade;
     use crate::Params;
     use crate::params::RoadParams;
 
@@ -107,15 +145,26 @@ mod tests {
     }
 
     #[test]
+    fn the_smooth_load_of_a_smeared_resistance_is_all_of_it_with_its_slope() {
+        let (road, grade) = (Params::TABLE_1.road, Grade::LEVEL.at(0.04));
+        for omega_w in [-40.0, -0.1, 0.0, 0.03, 1.0, 90.0] {
+            let (load, slope) = road.smooth_load(omega_w, grade);
+            assert!((load - road.load_torque(omega_w, 0.04)).abs() < 1e-9);
+            assert!((slope - road.load_torque_slope(omega_w, 0.04)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn dry_rolling_resistance_is_what_the_smooth_load_lacks() {
         let road = RoadParams {
             v_eps: 0.0,
             ..Params::TABLE_1.road
         };
-        let (fast, dry) = (20.0, road.dry_rolling(0.03));
-        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(0.03) == 0.0);
+        let grade = Grade::LEVEL.at(0.03);
+        let (fast, dry) = (20.0, road.dry_rolling(grade));
+        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(grade) == 0.0);
         for omega_w in [fast, -fast] {
-            let whole = road.smooth_load(omega_w, 0.03) + dry * omega_w.signum();
+            let whole = road.smooth_load(omega_w, grade).0 + dry * omega_w.signum();
             let smeared = Params::TABLE_1.road.load_torque(omega_w, 0.03);
             assert!((whole - smeared).abs() < 1e-9);
         }

@@ -113,6 +113,9 @@ impl Plant {
 
     /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
     fn rate(&self, start: &driveline::Input, step: f64) -> InputRate {
+        if self.u_rate == Inputs::default() {
+            return InputRate::default();
+        }
         let end = |value: [f64; 2], rate: [f64; 2]| [0, 1].map(|i| value[i] + rate[i] * step);
         let position = end(self.u.position, self.u_rate.position);
         let force = self.force(position, end(self.u.pressure, self.u_rate.pressure));

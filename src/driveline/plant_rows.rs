@@ -1,0 +1,104 @@
+//! Rows that read one quantity of the driveline from its state and torques: what guards watch.
+
+use nalgebra::{RowSVector, SMatrix};
+
+use crate::plant_matrices::{C, D, STATES, State, TORQUES, Torques, W};
+
+/// A quantity that is linear in state and torques.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    x: [f64; STATES],
+    v: [f64; TORQUES],
+}
+
+impl Row {
+    fn new(x: &RowSVector<f64, STATES>, v: &RowSVector<f64, TORQUES>) -> Self {
+        Self {
+            x: core::array::from_fn(|j| x[j]),
+            v: core::array::from_fn(|j| v[j]),
+        }
+    }
+
+    /// The quantity.
+    pub fn of(&self, x: &State, v: &Torques) -> f64 {
+        dot(&self.x, &x.data.0[0]) + self.of_torques(v)
+    }
+
+    /// What the torques alone make of it.
+    pub fn of_torques(&self, v: &Torques) -> f64 {
+        dot(&self.v, &v.data.0[0])
+    }
+}
+
+/// Σ a b of an even number of entries, in two lanes.
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let mut lanes = [0.0; 2];
+    for (a, b) in a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0) {
+        lanes[0] += a[0] * b[0];
+        lanes[1] += a[1] * b[1];
+    }
+    lanes[0] + lanes[1]
+}
+
+/// The quantities that end a smooth stretch, and the wheels' acceleration.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows {
+    /// T_c1, T_c2 [N·m], shape (2).
+    pub torque: [Row; 2],
+    /// Rates of T_c1, T_c2 at constant torques [N·m/s], shape (2).
+    pub torque_rate: [Row; 2],
+    /// d/dt (ω_d − ω_ci) [rad/s²], shape (2).
+    pub slip_rate: [Row; 2],
+    /// ω̇_w [rad/s²].
+    pub wheel_rate: Row,
+}
+
+impl Rows {
+    /// Rows of x' = A x + B v with T_c = `t_c_x` x + `t_c_v` v.
+    pub(crate) fn new(
+        a: &SMatrix<f64, STATES, STATES>,
+        b: &SMatrix<f64, STATES, TORQUES>,
+        t_c_x: &SMatrix<f64, 2, STATES>,
+        t_c_v: &SMatrix<f64, 2, TORQUES>,
+    ) -> Self {
+        let (rate_x, rate_v) = (t_c_x * a, t_c_x * b);
+        let row = |x: &SMatrix<f64, 2, STATES>, v: &SMatrix<f64, 2, TORQUES>, i| {
+            Row::new(&x.row(i).into_owned(), &v.row(i).into_owned())
+        };
+        let slip = |i: usize| Row::new(&(a.row(D) - a.row(C + i)), &(b.row(D) - b.row(C + i)));
+        Self {
+            torque: [0, 1].map(|i| row(t_c_x, t_c_v, i)),
+            torque_rate: [0, 1].map(|i| row(&rate_x, &rate_v, i)),
+            slip_rate: [0, 1].map(slip),
+            wheel_rate: Row::new(&a.row(W).into_owned(), &b.row(W).into_owned()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Params;
+    use crate::plant_matrices::{C, D, State, Systems, Torques, W};
+
+    #[test]
+    fn rows_read_what_the_matrices_give() {
+        let systems = Systems::new(&Params::TABLE_1, [1, 2]);
+        let x = State::from([
+            200.0, 198.0, 190.0, 150.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
+        ]);
+        let v = Torques::from([60.0, 40.0, -25.0, 300.0]);
+        for system in &systems.by_stuck {
+            let x_dot = system.derivative(&x, &v);
+            let rate = system.clutch_torque(&x_dot, &Torques::zeros());
+            assert!((system.rows.wheel_rate.of(&x, &v) - x_dot[W]).abs() < 1e-9 * x_dot.amax());
+            for i in [0, 1] {
+                let torque = system.clutch_torque(&x, &v)[i];
+                assert!((system.rows.torque[i].of(&x, &v) - torque).abs() < 1e-9 * torque.abs());
+                let slip_rate = system.rows.slip_rate[i].of(&x, &v);
+                assert!((slip_rate - (x_dot[D] - x_dot[C + i])).abs() < 1e-9 * x_dot.amax());
+                let torque_rate = system.rows.torque_rate[i].of(&x, &v);
+                assert!((torque_rate - rate[i]).abs() <= 1e-9 * rate[i].abs());
+            }
+        }
+    }
+}
