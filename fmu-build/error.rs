@@ -73,6 +73,13 @@ pub enum Error {
         /// The package.
         package: String,
     },
+    /// An input of a system has two sources.
+    TwoSources {
+        /// The input, as `<component>.<variable>`.
+        variable: String,
+        /// The components with an output of its name.
+        components: [&'static str; 2],
+    },
     /// `cargo metadata` failed or said what is not understood.
     Metadata {
         /// What it said.
@@ -146,6 +153,13 @@ impl fmt::Display for Error {
                     "{package} has no dynamic library; its crate-type must be cdylib"
                 )
             }
+            Self::TwoSources {
+                variable,
+                components: [one, other],
+            } => write!(
+                f,
+                "{variable}: both {one} and {other} have an output of this name"
+            ),
             Self::Metadata { said } => write!(f, "`cargo metadata` failed: {}", said.trim_end()),
             Self::Epoch { value } => write!(
                 f,

@@ -19,8 +19,11 @@ mod error;
 pub mod library;
 pub mod models;
 mod page;
+pub mod port;
+pub mod ssp;
 mod table;
 mod variables_md;
+mod xml;
 
 pub use archive::package;
 pub use check::{Finding, Report, Severity, check};

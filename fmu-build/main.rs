@@ -16,6 +16,7 @@ use std::process::ExitCode;
   cargo fmu build DctPlant --out /data     one FMU into a folder of your choice
   cargo fmu describe                       after a change in src/models
   cargo fmu describe --check               fail when modelDescription/ is out of date
+  cargo fmu ssp                            the closed loop as one file, for tools that read SSP
   cargo fmu check target/fmu/DctPlant.fmu  what an importer would stumble over"
 )]
 struct Arguments {
@@ -38,6 +39,13 @@ enum Command {
         /// Models to build, e.g. DctPlant; all when none is named.
         models: Vec<String>,
         /// Folder for the FMUs [default: target/fmu of the workspace].
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Write the closed loop of all FMUs, with their connections, as an SSP 1.0 file.
+    #[command(after_help = "Takes the FMUs that `cargo fmu build` wrote into the same folder.")]
+    Ssp {
+        /// Folder of the FMUs and of DctClosedLoop.ssp [default: target/fmu of the workspace].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
@@ -69,17 +77,30 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
         Command::Describe { check: true } => fmu_build::compare()?,
         Command::Describe { check: false } => print_paths(&fmu_build::refresh()?)?,
         Command::Build { models, out } => build(&models, out)?,
+        Command::Ssp { out } => ssp(out)?,
         Command::Check { fmus } => return check(&fmus),
     }
     Ok(ExitCode::SUCCESS)
 }
 
 fn build(models: &[String], out: Option<PathBuf>) -> Result<(), Box<dyn std::error::Error>> {
-    let out = out.unwrap_or_else(|| fmu_build::library::workspace().join("target").join("fmu"));
+    let out = folder(out);
     for entry in fmu_build::models::select(models)? {
         print_paths(&[fmu_build::build(entry, &out)?])?;
     }
     Ok(())
+}
+
+fn ssp(out: Option<PathBuf>) -> Result<(), Box<dyn std::error::Error>> {
+    use fmu_build::models::{CLOSED_LOOP, COMPONENTS};
+    let folder = folder(out);
+    let path = folder.join(format!("{CLOSED_LOOP}.ssp"));
+    fmu_build::ssp::write(&path, CLOSED_LOOP, COMPONENTS, &folder)?;
+    Ok(print_paths(&[path])?)
+}
+
+fn folder(out: Option<PathBuf>) -> PathBuf {
+    out.unwrap_or_else(|| fmu_build::library::workspace().join("target").join("fmu"))
 }
 
 fn print_paths(paths: &[PathBuf]) -> io::Result<()> {
@@ -133,7 +154,7 @@ mod tests {
             .lines()
             .filter_map(|line| line.trim().strip_prefix("cargo fmu "));
         let examples: Vec<_> = examples.collect();
-        assert_eq!(examples.len(), 5);
+        assert_eq!(examples.len(), 6);
         for example in examples {
             let words = example.split("  ").next().unwrap().split(' ');
             let parsed = Arguments::try_parse_from(std::iter::once("fmu-build").chain(words));

@@ -1,8 +1,10 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
+use crate::port::{self, Port, Terminal};
+use crate::ssp::Component;
 use crate::{Error, Result, describe, library, page, variables_md};
-use dct_models::{ClutchControl, Observer, Plant};
-use fmi2_cosim::Model;
+use dct_models::{ClutchControl, Observer, Plant, ports};
+use fmi2_cosim::{Experiment, Model};
 use std::path::Path;
 
 /// A model and the package of its FMU library.
@@ -19,6 +21,12 @@ pub struct Entry {
     pub table: fn() -> Result<String>,
     /// Writes the documentation page inside its FMU.
     pub page: fn() -> Result<String>,
+    /// Lists its inputs and outputs.
+    pub ports: fn() -> Vec<Port>,
+    /// Its default experiment.
+    pub experiment: Experiment,
+    /// Bundles of its ports.
+    terminals: &'static [Terminal],
 }
 
 impl Entry {
@@ -32,6 +40,9 @@ impl Entry {
             describe: describe::<M>,
             table: variables_md::section::<M>,
             page: page::page::<M>,
+            ports: port::ports::<M>,
+            experiment: M::EXPERIMENT,
+            terminals: &[],
         }
     }
 
@@ -41,6 +52,18 @@ impl Entry {
     pub const fn at(mut self, folder: &'static str) -> Self {
         self.folder = Some(folder);
         self
+    }
+
+    /// Gives it terminals; those without a member in its table are left out.
+    #[must_use]
+    pub const fn terminals(mut self, terminals: &'static [Terminal]) -> Self {
+        self.terminals = terminals;
+        self
+    }
+
+    /// The text of its `terminalsAndIcons.xml`, if it has a terminal.
+    pub(crate) fn terminals_text(&self) -> Option<String> {
+        port::terminals(self.terminals, &(self.ports)())
     }
 
     /// Builds the library of this platform and returns its bytes.
@@ -59,9 +82,77 @@ impl Entry {
 
 /// All models, in the order in which a signal passes through them.
 pub const MODELS: &[Entry] = &[
-    Entry::of::<Plant>("dct-plant"),
-    Entry::of::<Observer>("dct-observer"),
-    Entry::of::<ClutchControl>("dct-clutch-control"),
+    Entry::of::<Plant>("dct-plant").terminals(TERMINALS),
+    Entry::of::<Observer>("dct-observer").terminals(TERMINALS),
+    Entry::of::<ClutchControl>("dct-clutch-control").terminals(TERMINALS),
+];
+
+/// Name of the closed loop of all models.
+pub const CLOSED_LOOP: &str = "DctClosedLoop";
+
+/// The closed loop: the models under the names that they have in every system of this project.
+pub const COMPONENTS: &[Component] = &[
+    Component {
+        name: "plant",
+        entry: &MODELS[0],
+    },
+    Component {
+        name: "observer",
+        entry: &MODELS[1],
+    },
+    Component {
+        name: "control",
+        entry: &MODELS[2],
+    },
+];
+
+/// What belongs together at the models' borders.
+const TERMINALS: &[Terminal] = &[
+    Terminal {
+        name: "sensors",
+        kind: "DctSensorBus",
+        description: "Speeds that a production car measures: from the plant to the observer",
+        members: &[
+            ports::ENGINE_SPEED,
+            ports::CLUTCH_SPEED[0],
+            ports::CLUTCH_SPEED[1],
+            ports::WHEEL_SPEED,
+        ],
+    },
+    Terminal {
+        name: "driver",
+        kind: "DctDriverBus",
+        description: "What engine, brake, gearbox and road do: the same to plant and observer",
+        members: &[
+            ports::ENGINE_TORQUE,
+            ports::BRAKE_TORQUE,
+            ports::ROAD_GRADE,
+            ports::SHAFT_GEAR[0],
+            ports::SHAFT_GEAR[1],
+        ],
+    },
+    Terminal {
+        name: "actuators",
+        kind: "DctActuatorBus",
+        description: "Clutch actuators: from the clutch control to plant and observer",
+        members: &[
+            ports::CLUTCH_POSITION[0],
+            ports::CLUTCH_POSITION[1],
+            ports::CLUTCH_PRESSURE[0],
+            ports::CLUTCH_PRESSURE[1],
+        ],
+    },
+    Terminal {
+        name: "friction",
+        kind: "DctFrictionBus",
+        description: "Friction learnt while the clutches slip: from the observer to the control",
+        members: &[
+            ports::CLUTCH_FRICTION[0],
+            ports::CLUTCH_FRICTION[1],
+            ports::CLUTCH_MU_F[0],
+            ports::CLUTCH_MU_F[1],
+        ],
+    },
 ];
 
 /// Names of all models.

@@ -20,6 +20,9 @@ pub(crate) fn members(entry: &Entry) -> Result<Members> {
         text("documentation/index.html", (entry.page)()?),
         text(bom::MEMBER, bom::text(entry.name, &linked)?),
     ];
+    if let Some(terminals) = entry.terminals_text() {
+        members.push(text("terminalsAndIcons/terminalsAndIcons.xml", terminals));
+    }
     members.extend(licenses::members(entry.name, &linked)?);
     Ok(members)
 }

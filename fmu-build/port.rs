@@ -1,0 +1,101 @@
+//! What connects an FMU with others: its inputs and outputs, and the terminals that bundle them.
+
+use crate::description::causality;
+use crate::xml::Element;
+use fmi2_cosim::{Access, Causality, Enumeration, Model, Unit, Variable};
+
+/// An input or output.
+#[derive(Clone, Copy)]
+pub struct Port {
+    /// Name of the variable.
+    pub name: &'static str,
+    /// Input or output.
+    pub causality: Causality,
+    pub(crate) kind: Kind,
+}
+
+/// Type of a port.
+#[derive(Clone, Copy)]
+pub(crate) enum Kind {
+    Real(Unit),
+    Integer,
+    Boolean,
+    Enumeration(&'static Enumeration),
+}
+
+/// The ports of model `M`, in the order of its table.
+pub(crate) fn ports<M: Model>() -> Vec<Port> {
+    M::VARIABLES.iter().filter_map(port).collect()
+}
+
+fn port<M>(row: &Variable<M>) -> Option<Port> {
+    let is_port = matches!(row.causality, Causality::Input | Causality::Output);
+    is_port.then_some(Port {
+        name: row.name,
+        causality: row.causality,
+        kind: match row.access {
+            Access::Real(_) => Kind::Real(row.unit),
+            Access::Integer(_) => Kind::Integer,
+            Access::Boolean(_) => Kind::Boolean,
+            Access::Enumeration(_, kind) => Kind::Enumeration(kind),
+        },
+    })
+}
+
+impl Port {
+    pub(crate) const fn is_input(&self) -> bool {
+        matches!(self.causality, Causality::Input)
+    }
+
+    /// `input` or `output`.
+    pub(crate) fn role(&self) -> &'static str {
+        causality(self.causality)
+    }
+}
+
+/// Ports that belong together: a tool that knows terminals connects them with one line.
+pub struct Terminal {
+    /// Name, the same in every FMU.
+    pub name: &'static str,
+    /// Terminals of one kind may be connected.
+    pub kind: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// Names of the ports; an FMU has those that are in its table.
+    pub members: &'static [&'static str],
+}
+
+/// `terminalsAndIcons.xml` of FMI 3.0, which tools read from FMUs of FMI 2.0 too; `None` when no
+/// terminal has a member among the ports.
+pub(crate) fn terminals(all: &[Terminal], ports: &[Port]) -> Option<String> {
+    let elements = all.iter().filter_map(|terminal| element(terminal, ports));
+    let elements: Vec<_> = elements.collect();
+    let root = Element::new("fmiTerminalsAndIcons").with("fmiVersion", "3.0");
+    (!elements.is_empty()).then(|| {
+        root.holding([Element::new("Terminals").holding(elements)])
+            .document()
+    })
+}
+
+/// The rule `bus`: members of the same name are connected, others are left open.
+fn element(terminal: &Terminal, ports: &[Port]) -> Option<Element> {
+    let members = ports
+        .iter()
+        .filter(|port| terminal.members.contains(&port.name));
+    let members: Vec<_> = members.map(member).collect();
+    (!members.is_empty()).then(|| {
+        Element::new("Terminal")
+            .with("name", terminal.name)
+            .with("matchingRule", "bus")
+            .with("terminalKind", terminal.kind)
+            .with("description", terminal.description)
+            .holding(members)
+    })
+}
+
+fn member(port: &Port) -> Element {
+    Element::new("TerminalMemberVariable")
+        .with("variableName", port.name)
+        .with("memberName", port.name)
+        .with("variableKind", "signal")
+}
