@@ -90,17 +90,21 @@ static void count_heap_calls(const Inputs *in, const Library *l, fmi2Component c
     printf("new_steps %ld\n", heap.calls - before);
 }
 
-/* Bytes of the first instance and what the second one adds to them. */
-static void measure_heap(const Inputs *in, const Library *l) {
+/* Bytes of the first instance, what a second one adds to them, and one with another parameter. */
+static void measure_heap(const Inputs *in, Library *l) {
     fmi2Component warm = library_start(l);
     l->free_instance(warm);
     long start = heap.bytes;
     fmi2Component first = library_start(l);
     long one = heap.bytes - start;
     fmi2Component second = library_start(l);
-    printf("first_bytes %ld\nsecond_bytes %ld\n", one, heap.bytes - start - one);
+    long two = heap.bytes - start;
+    l->start_value[l->starts - 1] *= 1.01;
+    fmi2Component other = library_start(l);
+    printf("first_bytes %ld\nkin_bytes %ld\n", one, two - one);
+    printf("other_bytes %ld\n", heap.bytes - start - two);
     count_heap_calls(in, l, first);
-    printf("after_run_bytes %ld\n", heap.bytes - start);
+    l->free_instance(other);
     l->free_instance(second);
     l->free_instance(first);
     printf("leaked_bytes %ld\n", heap.bytes - start);

@@ -58,17 +58,19 @@ pub struct Propagators {
 }
 
 impl Propagators {
+    /// Room for propagators, to be [`Self::rebuild`]t; as it is it fits no step.
+    pub const EMPTY: Self = Self {
+        h: 0.0,
+        systems: Systems::EMPTY,
+        rungs: [[Rung::ZERO; LADDER + 1]; 4],
+    };
+
     /// Propagators of a driveline for a communication step.
     ///
     /// `coupling`: what is connected, or the gears alone. `h`: communication step [s], > 0 and finite.
     pub fn new(p: &Params, coupling: impl Into<Coupling>, h: f64) -> Self {
-        let systems = Systems::new(p, coupling);
-        let mut new = Self {
-            h,
-            systems,
-            rungs: [[Rung::ZERO; LADDER + 1]; 4],
-        };
-        new.fill();
+        let mut new = Self::EMPTY;
+        new.rebuild(p, coupling, h);
         new
     }
 
@@ -78,10 +80,6 @@ impl Propagators {
     pub fn rebuild(&mut self, p: &Params, coupling: impl Into<Coupling>, h: f64) {
         self.h = h;
         self.systems = Systems::new(p, coupling);
-        self.fill();
-    }
-
-    fn fill(&mut self) {
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
             fill_ladder(rungs, &self.systems, set, self.h);
         }

@@ -12,6 +12,7 @@ pub mod params;
 pub mod plant;
 mod plant_block;
 mod plant_brake;
+mod plant_empty;
 mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;

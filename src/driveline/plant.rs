@@ -24,7 +24,7 @@ use crate::coupling::{Coupling, Ladders};
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant_block::{Block, torques};
 use crate::plant_brake::drive_shaft_torque;
-use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W, slip};
+use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Load, Mode, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
 use crate::shaft::Grade;
@@ -50,11 +50,31 @@ pub struct Plant {
 }
 
 impl Plant {
+    /// Nothing moves, the clutches are open.
+    pub const AT_REST: Self = Self {
+        x: State::from_array_storage(nalgebra::ArrayStorage([[0.0; STATES]])),
+        modes: [Mode::Open; 2],
+        brake: Mode::Open,
+        work: Work {
+            engine: 0.0,
+            friction: [0.0; 2],
+            viscous: 0.0,
+            synchroniser: 0.0,
+            load: 0.0,
+        },
+        stored_at_start: 0.0,
+        grade: Grade::LEVEL,
+    };
+
     /// The plant at the start of a run: ω_d = ω_e, ω_o = ω_w = V/r_w, ω_ci = g_i ω_o, twists 0.
     ///
     /// `omega_e`: engine speed [rad/s]. `v`: vehicle speed [m/s].
     pub fn start(p: &Params, input: &Input, omega_e: f64, v: f64) -> Self {
-        let systems = Systems::new(p, input.gear);
+        Self::start_with(p, &Systems::new(p, input.gear), input, omega_e, v)
+    }
+
+    /// Like [`Self::start`] with the matrices of the driveline at hand, its wheels free to turn.
+    pub fn start_with(p: &Params, systems: &Systems, input: &Input, omega_e: f64, v: f64) -> Self {
         let omega_w = v / p.road.r_w;
         let g = p.g(input.gear);
         let mut x = State::zeros();
@@ -62,15 +82,13 @@ impl Plant {
         (x[C], x[C + 1]) = (g[0] * omega_w, g[1] * omega_w);
         let mut plant = Self {
             x,
-            modes: [Mode::Open; 2],
-            brake: Mode::Open,
-            work: Work::default(),
             stored_at_start: systems.stored_energy(&x),
             grade: Grade::LEVEL.at(input.phi),
+            ..Self::AT_REST
         };
         let (held, none) = (InputRate::default(), Event::default());
         plant.resolve_brake(p, input, &held, &none);
-        plant.resolve(p, &systems, input, &held, &none);
+        plant.resolve(p, systems, input, &held, &none);
         plant
     }
 

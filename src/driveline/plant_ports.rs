@@ -59,9 +59,10 @@ pub struct Work {
 }
 
 /// State of a clutch as users see it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ClutchState {
     /// No normal force.
+    #[default]
     Disengaged = 1,
     /// Normal force and slip.
     Slipping = 2,
@@ -80,7 +81,7 @@ impl From<Mode> for ClutchState {
 }
 
 /// Outputs of the plant at an instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Output {
     /// ω_e [rad/s].
     pub omega_e: f64,

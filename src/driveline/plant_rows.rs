@@ -12,6 +12,11 @@ pub struct Row {
 }
 
 impl Row {
+    const ZERO: Self = Self {
+        x: [0.0; STATES],
+        v: [0.0; TORQUES],
+    };
+
     fn new(x: &RowSVector<f64, STATES>, v: &RowSVector<f64, TORQUES>) -> Self {
         Self {
             x: core::array::from_fn(|j| x[j]),
@@ -54,6 +59,14 @@ pub struct Rows {
 }
 
 impl Rows {
+    /// Rows that read nothing.
+    pub(crate) const ZERO: Self = Self {
+        torque: [Row::ZERO; 2],
+        torque_rate: [Row::ZERO; 2],
+        slip_rate: [Row::ZERO; 2],
+        wheel_rate: Row::ZERO,
+    };
+
     /// Rows of x' = A x + B v with T_c = `t_c_x` x + `t_c_v` v.
     pub(crate) fn new(
         a: &SMatrix<f64, STATES, STATES>,

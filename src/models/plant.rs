@@ -5,6 +5,7 @@
 //! depends on the positions at the communication point as well, and the table says so.
 
 mod propagation;
+mod shelf;
 mod table;
 
 use crate::step::check_step;
@@ -58,15 +59,9 @@ pub struct Plant {
 
 impl Default for Plant {
     fn default() -> Self {
-        let (p, gear) = (Params::TABLE_1, [1, 2]);
-        let input = driveline::Input {
-            gear,
-            ..driveline::Input::default()
-        };
-        let state = driveline::Plant::start(&p, &input, 0.0, 0.0);
-        let y = state.outputs(&p, &Systems::new(&p, gear), &input);
+        let (gear, y) = ([1, 2], Output::default());
         Self {
-            p,
+            p: Params::TABLE_1,
             engine_speed_start: 0.0,
             vehicle_speed_start: 0.0,
             u: Inputs::default(),
@@ -74,7 +69,7 @@ impl Default for Plant {
             gear,
             acting: gear,
             refused: gear,
-            state,
+            state: driveline::Plant::AT_REST,
             y,
             clutch_state: y.state.map(|state| state as i32),
             propagation: Propagation::default(),
@@ -151,17 +146,19 @@ impl Plant {
         }
     }
 
-    fn read_outputs(&mut self) {
-        let built;
+    /// Gets hold of the propagators of the usual step, and of room for others.
+    fn find_propagators(&mut self) {
         let coupling = self.state.coupling(self.acting);
-        let systems = match self.propagation.systems(coupling) {
-            Some(systems) => systems,
-            None => {
-                built = Systems::new(&self.p, coupling);
-                &built
-            }
-        };
-        self.y = self.state.outputs(&self.p, systems, &self.input());
+        self.propagation
+            .of(&self.p, coupling, Self::EXPERIMENT.step);
+        self.propagation.make_room();
+    }
+
+    fn read_outputs(&mut self) {
+        let input = self.input();
+        let coupling = self.state.coupling(self.acting);
+        let systems = self.propagation.systems(&self.p, coupling);
+        self.y = self.state.outputs(&self.p, systems, &input);
         self.clutch_state = self.y.state.map(|state| state as i32);
     }
 
@@ -198,12 +195,11 @@ impl Model for Plant {
         (self.acting, self.refused) = (self.gear, self.gear);
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
-        self.state = driveline::Plant::start(&self.p, &input, omega_e, v);
-        self.propagation.prepare(
-            &self.p,
-            self.state.coupling(self.acting),
-            Self::EXPERIMENT.step,
-        );
+        let step = Self::EXPERIMENT.step;
+        self.propagation.clear();
+        let free = self.propagation.of(&self.p, self.acting.into(), step);
+        self.state = driveline::Plant::start_with(&self.p, &free.systems, &input, omega_e, v);
+        self.find_propagators();
         self.read_outputs();
         Ok(())
     }
@@ -258,10 +254,24 @@ impl Model for Plant {
     }
 
     fn restored(&mut self) {
-        self.propagation.prepare(
-            &self.p,
-            self.state.coupling(self.acting),
-            Self::EXPERIMENT.step,
-        );
+        self.propagation.clear();
+        self.find_propagators();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Output, Params, Plant, Systems, driveline};
+
+    #[test]
+    fn a_fresh_plant_is_one_that_started_at_rest() {
+        let (fresh, gear) = (Plant::default(), [1, 2]);
+        let input = driveline::Input {
+            gear,
+            ..driveline::Input::default()
+        };
+        let started = driveline::Plant::start(&Params::TABLE_1, &input, 0.0, 0.0);
+        let y: Output = started.outputs(&fresh.p, &Systems::new(&fresh.p, gear), &input);
+        assert_eq!((fresh.state, fresh.y, fresh.input()), (started, y, input));
     }
 }

@@ -1,9 +1,12 @@
 //! Propagators kept between steps: derived from parameters, coupling and step, so no part of the state.
 
+use super::Plant;
+use super::shelf::User;
 use dct_driveline::Params;
 use dct_driveline::coupling::{Coupling, Ladders};
 use dct_driveline::integrate::Propagators;
 use dct_driveline::plant_matrices::Systems;
+use fmi2_cosim::Model;
 use std::sync::Arc;
 
 /// How many combinations of coupling and step are kept.
@@ -22,47 +25,64 @@ impl Ladders for OneStep<'_> {
     }
 }
 
-/// The propagators of the last few steps; saved states share them.
-#[derive(Clone, Default)]
+/// The propagators of the last few steps, from the shelf that all plants share.
+#[derive(Default)]
 pub(super) struct Propagation {
     kept: [Option<Arc<Propagators>>; KEPT],
     /// Which one was used last.
     latest: usize,
+    user: Option<User>,
+}
+
+/// A saved state keeps the shelf, not what it finds there: that is found again.
+impl Clone for Propagation {
+    fn clone(&self) -> Self {
+        Self {
+            user: self.user.clone(),
+            ..Self::default()
+        }
+    }
 }
 
 impl Propagation {
-    /// Builds the propagators of `step` [s] and makes room for others, so that no step allocates.
-    pub(super) fn prepare(&mut self, p: &Params, coupling: Coupling, step: f64) {
-        let first = Propagators::new(p, coupling, step);
-        self.kept = core::array::from_fn(|_| Some(Arc::new(first.clone())));
-        self.latest = 0;
+    /// Forgets what was kept: the parameters may have changed.
+    pub(super) fn clear(&mut self) {
+        (self.kept, self.latest) = (Default::default(), 0);
+    }
+
+    /// Sees that steps of other sizes than those kept allocate nothing.
+    pub(super) fn make_room(&mut self) {
+        self.user.get_or_insert_with(User::new).make_room();
     }
 
     /// The propagators of this coupling and this step [s].
+    #[inline]
     pub(super) fn of(&mut self, p: &Params, coupling: Coupling, step: f64) -> &Propagators {
         let fits = |kept: &Option<Arc<Propagators>>| {
             kept.as_ref()
                 .is_some_and(|propagators| propagators.fits(coupling, step))
         };
-        let found = if fits(&self.kept[self.latest]) {
-            Some(self.latest)
-        } else {
-            self.kept.iter().position(fits)
-        };
-        self.latest = found.unwrap_or((self.latest + 1) % KEPT);
-        let kept = self.kept[self.latest]
-            .get_or_insert_with(|| Propagators::new(p, coupling, step).into());
-        if !kept.fits(coupling, step) {
-            Arc::make_mut(kept).rebuild(p, coupling, step);
+        if !fits(&self.kept[self.latest]) {
+            let found = self.kept.iter().position(fits);
+            self.latest = found.unwrap_or((self.latest + 1) % KEPT);
+            if found.is_none() {
+                self.kept[self.latest] = None;
+            }
         }
-        kept
+        let user = &mut self.user;
+        self.kept[self.latest].get_or_insert_with(|| {
+            let user = user.get_or_insert_with(User::new);
+            user.find(p, coupling, step)
+        })
     }
 
-    /// The matrices of this coupling, where propagators of it are at hand.
-    pub(super) fn systems(&self, coupling: Coupling) -> Option<&Systems> {
-        let kept = self.kept[self.latest]
-            .as_ref()
-            .map(|propagators| &propagators.systems);
-        kept.filter(|systems| systems.coupling == coupling)
+    /// The matrices of this coupling, whatever the step.
+    pub(super) fn systems(&mut self, p: &Params, coupling: Coupling) -> &Systems {
+        let kept = self.kept[self.latest].as_ref();
+        let step = match kept.filter(|kept| kept.systems.coupling == coupling) {
+            Some(kept) => kept.h,
+            None => Plant::EXPERIMENT.step,
+        };
+        &self.of(p, coupling, step).systems
     }
 }

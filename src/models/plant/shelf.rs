@@ -1,0 +1,175 @@
+//! Propagators shared by all plants of a library: whoever has the same driveline and step finds them here.
+//!
+//! They are derived data, immutable while anybody holds them, and found by value, so no run can tell
+//! whether they were shared. The shelf holds those in use and a few others: the last ones that were
+//! used, or room for a step size that is new in the middle of a run, which may not allocate. With the
+//! last plant that uses it the shelf is emptied.
+
+use dct_driveline::Params;
+use dct_driveline::coupling::Coupling;
+use dct_driveline::integrate::Propagators;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Propagators that nobody uses: those of four step sizes that a plant takes in turn.
+const SPARE: usize = 4;
+/// Most entries a step adds without a new allocation of their list.
+const ROOM: usize = 64;
+
+static SHELF: Mutex<Shelf> = Mutex::new(Shelf {
+    users: 0,
+    clock: 0,
+    entries: Vec::new(),
+});
+
+struct Shelf {
+    /// Plants and saved states that count on the shelf.
+    users: usize,
+    /// Counts what was asked for.
+    clock: u64,
+    entries: Vec<Entry>,
+}
+
+struct Entry {
+    /// What the propagators were built for, friction and road aside.
+    p: Params,
+    propagators: Arc<Propagators>,
+    /// Time of the last use on the shelf's clock; 0: not built yet.
+    used: u64,
+}
+
+/// Keeps the shelf filled as long as it lives.
+pub(super) struct User(());
+
+impl User {
+    /// Joins the users of the shelf and sees that there is room for new step sizes.
+    pub(super) fn new() -> Self {
+        let mut shelf = lock();
+        shelf.users += 1;
+        shelf.make_room();
+        Self(())
+    }
+}
+
+impl Clone for User {
+    fn clone(&self) -> Self {
+        lock().users += 1;
+        Self(())
+    }
+}
+
+impl Drop for User {
+    fn drop(&mut self) {
+        let mut shelf = lock();
+        shelf.users -= 1;
+        if shelf.users == 0 {
+            shelf.entries = Vec::new();
+        }
+    }
+}
+
+impl User {
+    /// The propagators of a driveline for a step `h` [s].
+    ///
+    /// Allocates when more than four step sizes or couplings came up in the middle of runs and stay in use.
+    #[cold]
+    pub(super) fn find(&self, p: &Params, coupling: Coupling, h: f64) -> Arc<Propagators> {
+        let mut shelf = lock();
+        shelf.clock += 1;
+        let now = shelf.clock;
+        let p = driveline(p);
+        let fits = |entry: &&mut Entry| entry.propagators.fits(coupling, h) && entry.p == p;
+        if let Some(entry) = shelf.entries.iter_mut().find(fits) {
+            entry.used = now;
+            return Arc::clone(&entry.propagators);
+        }
+        let idle = |entry: &&mut Entry| Arc::strong_count(&entry.propagators) == 1;
+        let oldest = shelf.entries.iter_mut().filter(idle);
+        if let Some(entry) = oldest.min_by_key(|entry| entry.used) {
+            return entry.built(p, coupling, h, now);
+        }
+        let mut entry = Entry::new();
+        let found = entry.built(p, coupling, h, now);
+        shelf.entries.push(entry);
+        found
+    }
+
+    /// Sees again that there is room for new step sizes; not for the middle of a run: it allocates.
+    pub(super) fn make_room(&self) {
+        lock().make_room();
+    }
+}
+
+impl Shelf {
+    fn make_room(&mut self) {
+        self.entries
+            .reserve(ROOM.saturating_sub(self.entries.len()));
+        let in_use = |entry: &&Entry| Arc::strong_count(&entry.propagators) > 1;
+        let wanted = self.entries.iter().filter(in_use).count() + SPARE;
+        while self.entries.len() < wanted {
+            self.entries.push(Entry::new());
+        }
+    }
+}
+
+impl Entry {
+    fn new() -> Self {
+        Self {
+            p: driveline(&Params::TABLE_1),
+            propagators: Arc::new(Propagators::EMPTY),
+            used: 0,
+        }
+    }
+
+    /// Turns idle propagators into others.
+    fn built(&mut self, p: Params, coupling: Coupling, h: f64, now: u64) -> Arc<Propagators> {
+        (self.p, self.used) = (p, now);
+        if let Some(propagators) = Arc::get_mut(&mut self.propagators) {
+            propagators.rebuild(&self.p, coupling, h);
+        }
+        Arc::clone(&self.propagators)
+    }
+}
+
+/// The parameters that propagators depend on; friction and road are the same in all.
+fn driveline(p: &Params) -> Params {
+    let Params { clutch, road, .. } = Params::TABLE_1;
+    Params { clutch, road, ..*p }
+}
+
+fn lock() -> MutexGuard<'static, Shelf> {
+    SHELF.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SPARE, User, lock};
+    use dct_driveline::Params;
+    use dct_driveline::coupling::Coupling;
+    use std::sync::Arc;
+
+    /// One test, because the shelf is one for all.
+    #[test]
+    fn equal_drivelines_share_and_the_last_user_empties_the_shelf() {
+        let (one, two) = (User::new(), User::new());
+        let (gears, mut p) = (Coupling::from([1, 2]), Params::TABLE_1);
+        let first = one.find(&p, gears, 1e-3);
+        p.clutch[0].mu_k = 0.1;
+        assert!(Arc::ptr_eq(
+            &first,
+            &two.find(&p, gears, 1e-3 * (1.0 + 1e-12))
+        ));
+        p.k_o *= 1.1;
+        let other = two.find(&p, gears, 1e-3);
+        assert!(!Arc::ptr_eq(&first, &other));
+        assert!(!Arc::ptr_eq(&other, &two.find(&p, gears, 2e-3)));
+        for h in [3e-3, 4e-3, 5e-3, 6e-3, 7e-3] {
+            assert!(one.find(&p, gears, h).fits(gears, h));
+        }
+        assert!(lock().entries.len() <= 2 + SPARE);
+        assert!(first.fits(gears, 1e-3) && other.fits(gears, 1e-3));
+        drop((first, other, one));
+        assert!(!lock().entries.is_empty());
+        drop(two);
+        assert!(lock().entries.is_empty());
+    }
+}
