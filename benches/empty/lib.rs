@@ -34,6 +34,7 @@ impl Model for Empty {
         output::<3>(),
         output::<4>(),
     ];
+    const STEPS_STAY_FINITE: bool = true;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,
         stop: 30.0,

@@ -113,7 +113,8 @@ impl Rung {
     }
 }
 
-/// `sum` + `scale` · `column`.
+/// `sum` + `scale` · `column`; inlined, so that a chain of these keeps the sum in registers.
+#[inline(always)]
 fn add<const N: usize>(sum: &mut [f64; N], column: &[f64; N], scale: f64) {
     for (sum, entry) in sum.iter_mut().zip(column) {
         *sum += entry * scale;
@@ -121,6 +122,7 @@ fn add<const N: usize>(sum: &mut [f64; N], column: &[f64; N], scale: f64) {
 }
 
 /// Σ a b over the entries of `a`, in two lanes.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (pairs, rest) = a.as_chunks::<2>();
     let (others, _) = b.as_chunks::<2>();

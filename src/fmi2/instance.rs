@@ -231,7 +231,11 @@ impl<M: Model> Instance<M> {
             .step(time, step, log)
             .map_err(|failure| self.fail(failure))?;
         (self.now.time, self.now.stale) = (end, false);
-        self.demand_finite()
+        if M::STEPS_STAY_FINITE {
+            Ok(())
+        } else {
+            self.demand_finite()
+        }
     }
 
     /// A copy of everything: the FMU state.
@@ -313,27 +317,34 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
+    #[cold]
     fn fail(&mut self, failure: Failure) -> Error {
         self.now.state = State::Error;
         Error::Model(failure)
     }
 }
 
-/// Refuses a variable that is to be set twice in one call. References in ascending order, the usual
-/// case, are compared once each.
+/// Refuses a variable that is to be set twice in one call. A bit per reference tells those that may
+/// be there twice; only they are looked for.
 fn distinct<M: Model>(references: &[u32]) -> Result<(), Error> {
-    let mut largest = None;
-    for (index, reference) in references.iter().enumerate() {
-        if largest >= Some(reference) && references.iter().take(index).any(|r| r == reference) {
-            let row = usize::try_from(*reference)
-                .ok()
-                .and_then(|at| M::VARIABLES.get(at));
-            let variable = row.map_or("a value reference", |row| row.name);
-            return Err(Error::Duplicate { variable });
+    let mut seen = 0_u64;
+    for (index, &reference) in references.iter().enumerate() {
+        let bit = 1 << (reference % u64::BITS);
+        if seen & bit != 0 && references.iter().take(index).any(|r| *r == reference) {
+            return Err(duplicate::<M>(reference));
         }
-        largest = largest.max(Some(reference));
+        seen |= bit;
     }
     Ok(())
+}
+
+#[cold]
+fn duplicate<M: Model>(reference: u32) -> Error {
+    let row = usize::try_from(reference)
+        .ok()
+        .and_then(|at| M::VARIABLES.get(at));
+    let variable = row.map_or("a value reference", |row| row.name);
+    Error::Duplicate { variable }
 }
 
 fn is_computed<M>(row: &Variable<M>) -> bool {

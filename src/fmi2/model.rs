@@ -24,6 +24,10 @@ pub trait Model: Clone + Default + Send + 'static {
     /// `DefaultExperiment` of the model description.
     const EXPERIMENT: Experiment;
 
+    /// Whether `step` fails by itself rather than leave an output that is not finite. Else the shell
+    /// looks at every output after every step.
+    const STEPS_STAY_FINITE: bool = false;
+
     /// Computes the initial state and outputs from parameters, inputs and start values.
     ///
     /// `time` is the start time [s]. May be called more than once before the first step (an importer

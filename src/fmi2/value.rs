@@ -33,6 +33,7 @@ impl Value for f64 {
         }
     }
 
+    #[inline]
     fn check<M>(self, row: &Variable<M>) -> Result<(), Error> {
         finite(row.name, self)?;
         within(row, self)
@@ -87,23 +88,30 @@ impl Value for bool {
 pub(crate) type Field<M, T> = fn(&mut M) -> &mut T;
 
 /// The row of a value reference, with its field of type `T`.
+#[inline]
 pub(crate) fn find<M, T: Value>(
     rows: &[Variable<M>],
     reference: u32,
 ) -> Result<(&Variable<M>, Field<M, T>), Error> {
-    usize::try_from(reference)
+    let row = usize::try_from(reference)
         .ok()
-        .and_then(|index| rows.get(index))
-        .and_then(|row| Some((row, T::field(&row.access)?)))
-        .ok_or(Error::UnknownReference {
-            reference,
-            kind: T::KIND,
-        })
+        .and_then(|index| rows.get(index));
+    match row.and_then(|row| Some((row, T::field(&row.access)?))) {
+        Some(found) => Ok(found),
+        None => Err(unknown::<T>(reference)),
+    }
+}
+
+#[cold]
+fn unknown<T: Value>(reference: u32) -> Error {
+    let kind = T::KIND;
+    Error::UnknownReference { reference, kind }
 }
 
 /// Whether the row may be set in this state (notes 1, 3 and 6 of the table in FMI 2.0.4, 4.2.4).
 ///
 /// Note 1 leaves out inputs in `instantiated`, but importers set them there.
+#[inline]
 pub(crate) fn settable<M>(row: &Variable<M>, state: State) -> Result<(), Error> {
     let legal = match row.causality {
         Causality::Input => true,

@@ -162,18 +162,21 @@ impl Plant {
         self.clutch_state = self.y.state.map(|state| state as i32);
     }
 
-    /// Refuses to go on with what is no number.
+    /// Refuses to go on with what is no number: every output is a polynomial of these sums' terms.
     fn check_finite(&self, time: f64) -> Result<(), Failure> {
-        let speeds = [
+        let torques = self.y.t_c[0] + self.y.t_c[1] + self.y.t_v;
+        if (self.state.x.sum() + torques + self.y.energy_residual).is_finite() {
+            return Ok(());
+        }
+        let variables = [
             (crate::ports::ENGINE_SPEED, self.y.omega_e),
             (crate::ports::OUTPUT_SPEED, self.y.omega_o),
             (crate::ports::WHEEL_SPEED, self.y.omega_w),
             (crate::ports::DRIVE_SHAFT_TORQUE, self.y.t_o),
         ];
-        match speeds.iter().find(|(_, value)| !value.is_finite()) {
-            Some((variable, _)) => Err(Failure::Diverged { variable, time }),
-            None => Ok(()),
-        }
+        let found = variables.iter().find(|(_, value)| !value.is_finite());
+        let variable = found.map_or("energy.residual", |(variable, _)| variable);
+        Err(Failure::Diverged { variable, time })
     }
 }
 
@@ -184,6 +187,7 @@ impl Model for Plant {
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
+    const STEPS_STAY_FINITE: bool = true;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,
         stop: 30.0,
