@@ -142,7 +142,7 @@ pub struct Discrete {
 }
 
 /// exp(M) by its series on M/2^n, squared n times.
-fn exponential<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+pub(crate) fn exponential<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     const REACH: f64 = 0.1; // REACH^10/10! < 1e-16
     let (mut scaled, mut squarings) = (*m, 0);
     while scaled.amax() > REACH {

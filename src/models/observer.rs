@@ -6,10 +6,10 @@
 mod table;
 
 use crate::step::check_step;
-use crate::vehicle::{Vehicle, check_maps, invalid};
+use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::observer::{
-    self as driveline, Estimate, LoadMethod, Observer as _, Paper, Sample, Settings,
+    Estimate, Fault, LoadMethod, Method, Observer as _, Phase, Sample, Selected, Settings,
 };
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 
@@ -23,8 +23,10 @@ pub struct Observer {
     /// `load.method`.
     load: i32,
     u: Sample,
-    state: Paper,
+    state: Selected,
     y: Estimate,
+    /// `status.phase`.
+    phase: i32,
 }
 
 impl Default for Observer {
@@ -32,17 +34,18 @@ impl Default for Observer {
         Self {
             p: Params::TABLE_1,
             settings: Settings::CASE_1,
-            method: table::PAPER,
+            method: Method::Paper as i32,
             load: table::MOMENTUM,
             u: Sample {
                 gear: [1, 2],
                 ..Sample::default()
             },
-            state: Paper::default(),
+            state: Selected::default(),
             y: Estimate {
                 friction: Settings::CASE_1.mu_n,
                 ..Estimate::default()
             },
+            phase: Phase::Open as i32,
         }
     }
 }
@@ -62,22 +65,6 @@ impl Observer {
         };
     }
 
-    /// Both gears are needed to define x1 and x2 at the start.
-    fn check_gears(&self) -> Result<(), Failure> {
-        let ratios = self.p.g(self.u.gear);
-        match ratios.iter().position(|g| *g == 0.0) {
-            Some(i) => {
-                let remedy = "names no gear with a ratio: preselect one on each shaft at the start";
-                Err(invalid(
-                    crate::ports::SHAFT_GEAR[i],
-                    f64::from(self.u.gear[i]),
-                    remedy,
-                ))
-            }
-            None => Ok(()),
-        }
-    }
-
     fn check_finite(&self, time: f64) -> Result<(), Failure> {
         if self.y.t_o.is_finite() {
             Ok(())
@@ -90,9 +77,40 @@ impl Observer {
     }
 }
 
+impl Observer {
+    /// Logs what changed since the estimate `before`.
+    fn tell(&self, before: &Estimate, time: f64, log: &mut Log<'_>) {
+        if let Some(fault) = self.y.fault.filter(|_| before.valid) {
+            log.warning(format_args!(
+                "t = {time} s: status.valid = false: {fault}; {}",
+                remedy(fault)
+            ));
+        }
+        for i in (0..2).filter(|i| before.engaged[*i] != self.y.engaged[*i]) {
+            let now = if self.y.engaged[i] {
+                "engaged"
+            } else {
+                "not engaged"
+            };
+            log.event(format_args!("t = {time} s: clutch {} is {now}", i + 1));
+        }
+    }
+}
+
+/// What the user can do about a fault.
+const fn remedy(fault: Fault) -> &'static str {
+    match fault {
+        Fault::NotFinite => "give every input a number",
+        Fault::NoSpeed | Fault::Frozen => "check the speed sensors and their connections",
+        Fault::Saturated => "check the force-position maps and nominal frictions",
+        Fault::Diverged => "check the ratios, inertias and gains",
+    }
+}
+
 impl Model for Observer {
     const NAME: &'static str = "DctObserver";
-    const DESCRIPTION: &'static str = "Adaptive observer of both clutch torques and the drive-shaft torque of a dual-clutch driveline";
+    const DESCRIPTION: &'static str =
+        "Observer of both clutch torques and the drive-shaft torque of a dual-clutch driveline";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
@@ -104,68 +122,30 @@ impl Model for Observer {
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
         check_maps(&self.p)?;
-        self.check_gears()?;
         self.take_settings();
+        self.state = Selected::new(table::method(self.method));
         self.y = self.state.start(&self.p, &self.settings, &self.u);
+        self.phase = self.y.phase as i32;
         Ok(())
     }
 
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         check_step(step, table::LONGEST_STEP)?;
         self.take_settings();
-        let (valid, engaged) = (self.y.valid, self.y.engaged);
+        let before = self.y;
         self.y = self.state.step(&self.p, &self.settings, &self.u, step);
-        self.check_finite(time + step)?;
+        self.phase = self.y.phase as i32;
         let end = time + step;
-        if valid && !self.y.valid {
-            log.warning(format_args!(
-                "t = {end} s: status.valid = false: a friction is at its physical bound of {} for {} s; \
-                 the inputs do not fit the model",
-                driveline::friction::Friction::PHYSICAL, driveline::paper::SATURATION,
-            ));
-        }
-        for i in (0..2).filter(|i| engaged[*i] != self.y.engaged[*i]) {
-            let now = if self.y.engaged[i] {
-                "engaged"
-            } else {
-                "not engaged"
-            };
-            log.event(format_args!("t = {end} s: clutch {} is {now}", i + 1));
-        }
+        self.check_finite(end)?;
+        self.tell(&before, end, log);
         Ok(())
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
-        let Paper {
-            x_hat,
-            epsilon,
-            innovation,
-            load,
-            lock,
-            friction,
-            f_n,
-            saturated,
-            g,
-            ..
-        } = &mut self.state;
-        fields.reals(x_hat.as_mut_slice());
-        fields.reals(epsilon);
-        fields.reals(innovation.as_mut_slice());
-        for value in [
-            &mut load.momentum,
-            &mut load.torque,
-            &mut load.running,
-            &mut load.t_v,
-        ] {
-            fields.real(value);
-        }
-        fields.boolean(&mut load.found);
-        fields.reals(&mut lock.since);
-        for values in [&mut friction.mu, &mut friction.slipping, &mut friction.seen] {
-            fields.reals(values);
-        }
-        fields.reals(f_n);
-        fields.real(saturated);
-        fields.reals(g);
+        self.state.visit(&mut |value| fields.real(value));
+    }
+
+    fn restored(&mut self) {
+        self.state.method = table::method(self.method);
     }
 }

@@ -7,7 +7,7 @@
 //! tell together is better than the nominal value.
 
 use crate::Params;
-use crate::observer::Sample;
+use crate::observer::{Sample, Visit};
 use nalgebra::ComplexField;
 
 /// Slip above which a clutch certainly slips [rad/s].
@@ -45,6 +45,12 @@ impl Friction {
             slipping: [0.0; 2],
             seen: [0.0; 2],
         }
+    }
+
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        let Self { mu, slipping, seen } = self;
+        mu.iter_mut().chain(slipping).chain(seen).for_each(visit);
     }
 
     /// The friction of clutch `i` was learnt, not assumed.

@@ -14,8 +14,8 @@
 //! A brake torque that is measured is kept apart: it counts at once, also while the rest is held.
 
 use crate::Params;
-use crate::observer::Sample;
 use crate::observer::lock::Lock;
+use crate::observer::{Sample, Visit, visit_switch};
 use nalgebra::ComplexField;
 
 /// How the load torque is found.
@@ -35,7 +35,7 @@ const TAU: f64 = 0.1;
 const SETTLING: f64 = 3.0 * TAU;
 
 /// The filter of (20) and the load it found last.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Filtered momentum [N·m·s].
     pub momentum: f64,
@@ -49,7 +49,32 @@ pub struct Load {
     pub found: bool,
 }
 
+impl Default for Load {
+    fn default() -> Self {
+        Self {
+            momentum: 0.0,
+            torque: 0.0,
+            running: -1.0,
+            t_v: 0.0,
+            found: false,
+        }
+    }
+}
+
 impl Load {
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        for value in [
+            &mut self.momentum,
+            &mut self.torque,
+            &mut self.running,
+            &mut self.t_v,
+        ] {
+            visit(value);
+        }
+        visit_switch(&mut self.found, visit);
+    }
+
     /// T_v [N·m] at a sample `h` [s] after the last one.
     pub fn step(
         &mut self,

@@ -4,21 +4,39 @@
 //! ```text
 //! Sample (speeds, positions, T_e) ──> load torque (20) ──┐
 //!           ├──> lock detection ───> friction learnt      │
-//!           └──> method: adapt ε̂ (29), predict x̂ (19) <──┘──> Estimate
+//!           ├──> monitor: can it be used?                 │
+//!           └──> method: correct, adapt, predict <────────┘──> Estimate
 //! ```
 //!
-//! One file per method. A method is a function of (parameters, state, sample): no clock, no log.
+//! One file per method: [`paper`], [`lyapunov`], [`energy`]; [`select`] chooses one at run time. A method
+//! is a function of (parameters, state, sample): no clock, no log, no allocation.
 
+pub mod adaptive;
+pub mod energy;
 pub mod friction;
+pub mod lever;
 pub mod load;
 pub mod lock;
+pub mod lyapunov;
+pub mod monitor;
 pub mod paper;
+pub mod phase;
+mod schedule;
+pub mod select;
+pub mod speeds;
 
+pub use energy::Energy;
 pub use load::LoadMethod;
+pub use lyapunov::Lyapunov;
+pub use monitor::Fault;
 pub use paper::{Gains, Paper};
+pub use phase::Phase;
+pub use select::{Method, Selected};
 
 use crate::Params;
 use crate::params::Actuation;
+use lever::Lever;
+use phase::excitation;
 
 /// What a production car measures, at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -66,8 +84,12 @@ pub struct Settings {
     pub mu_n: [f64; 2],
     /// How T_v is found.
     pub load: LoadMethod,
-    /// Gains of (19), (29), as for 1 kHz.
+    /// Gains of `paper`, (19) and (29), as for 1 kHz.
     pub gains: Gains,
+    /// Gains of `lyapunov`, as for 1 kHz.
+    pub lyapunov: lyapunov::Gains,
+    /// Gains of `energy`, as for 1 kHz.
+    pub energy: energy::Gains,
     /// Gains follow the communication step.
     pub scheduled: bool,
     /// (29) acts; without it the observer keeps the friction it has.
@@ -80,6 +102,8 @@ impl Settings {
         mu_n: [0.4, 0.1],
         load: LoadMethod::Momentum,
         gains: Gains::AT_1_KHZ,
+        lyapunov: lyapunov::Gains::AT_1_KHZ,
+        energy: energy::Gains::AT_1_KHZ,
         scheduled: true,
         adapts: true,
     };
@@ -108,9 +132,51 @@ pub struct Estimate {
     pub innovation: [f64; 2],
     /// Clutch is taken as fully engaged, shape (2).
     pub engaged: [bool; 2],
-    /// The estimate can be used: false while a friction has been at its physical bound for long, and
-    /// for a sample or a step that is no number.
+    /// Standard deviation of T̂_c1, T̂_c2 where the method has one, otherwise the torque that its
+    /// correction injects because the model leaves it unexplained [N·m], shape (2).
+    pub t_c_deviation: [f64; 2],
+    /// The same for T̂_o [N·m].
+    pub t_o_deviation: f64,
+    /// How well speeds show the friction of the clutches that slip [1], 0 to 1.
+    pub excitation: f64,
+    /// What the clutches do.
+    pub phase: Phase,
+    /// The estimate can be used: there is no `fault`.
     pub valid: bool,
+    /// Why the estimate cannot be used.
+    pub fault: Option<Fault>,
+}
+
+impl Estimate {
+    /// With μ̂·f and ε̂ of (23), (24) that belong to the torques; 0 below the touch point.
+    fn with_friction_terms(mut self, p: &Params, settings: &Settings, sample: &Sample) -> Self {
+        for i in [0, 1] {
+            let Lever { arm, f_n } = Lever::new(p, sample, i);
+            if arm > 0.0 {
+                self.mu_f[i] = self.t_c[i] / arm;
+                self.epsilon[i] = self.mu_f[i] - settings.mu_n[i] * f_n;
+            }
+        }
+        self
+    }
+
+    /// What is said of a sample or a step that is no number.
+    fn refused() -> Self {
+        Self {
+            fault: Some(Fault::NotFinite),
+            ..Self::default()
+        }
+    }
+}
+
+/// Visits numbers of a state: reads or writes them.
+pub type Visit<'a> = &'a mut dyn FnMut(&mut f64);
+
+/// Visits a switch of a state as 0 or 1.
+fn visit_switch(switch: &mut bool, visit: Visit<'_>) {
+    let mut code = if *switch { 1.0 } else { 0.0 };
+    visit(&mut code);
+    *switch = code != 0.0;
 }
 
 /// A method of estimation. `p` and `settings` may change between calls where they are tunable.
@@ -124,6 +190,30 @@ pub trait Observer {
     /// it. The estimate holds for the end of the step. A sample that is not finite, or a step that is
     /// not > 0 and finite, changes nothing: clutch torques of 0 come back, not valid.
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate;
+
+    /// Visits every number of the state, in a fixed order: saves and restores it.
+    fn visit(&mut self, visit: Visit<'_>);
+}
+
+/// What every method says alike: map-based torques, phase, excitation, and whether it can be used.
+fn common_estimate(
+    p: &Params,
+    settings: &Settings,
+    sample: &Sample,
+    engaged: [bool; 2],
+    fault: Option<Fault>,
+) -> Estimate {
+    let (t_c_map, t_o_map) = map_based(p, settings.mu_n, sample);
+    Estimate {
+        t_c_map,
+        t_o_map,
+        engaged,
+        excitation: excitation(p, sample),
+        phase: Phase::of(p, sample, engaged),
+        valid: fault.is_none(),
+        fault,
+        ..Estimate::default()
+    }
 }
 
 /// Map-based torque of each clutch, μ_i,n F_map,i r_ci N_i, and its drive-shaft torque [N·m].

@@ -1,9 +1,12 @@
 //! The table of `DctObserver`.
 
+mod gains;
+
 use super::Observer;
 use crate::ports;
 use crate::rows::table;
 use crate::vehicle::{actuator, driveline, road, shaft};
+use dct_driveline::observer::{Method, Phase};
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
 /// Longest communication step [s]: beyond it no gain keeps the observer stable.
@@ -15,14 +18,12 @@ pub(super) const GRADE: i32 = 1;
 pub(super) const ENGINE: i32 = 2;
 /// `load.method`: (20) with the momentum of every inertia.
 pub(super) const MOMENTUM: i32 = 3;
-/// `observer.method`: (19)-(29) as printed.
-pub(super) const PAPER: i32 = 1;
 
 /// All rows; the index is the value reference.
 pub(super) const VARIABLES: &[Variable<Observer>] = table!(Observer:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
     OUTPUTS, clutch_outputs::<0>(), clutch_outputs::<1>(),
-    SETTINGS, NOMINAL_FRICTION,
+    SETTINGS, NOMINAL_FRICTION, gains::GAINS,
     driveline(), road(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
 );
 
@@ -51,11 +52,56 @@ static LOAD_METHOD: Enumeration = Enumeration {
 static OBSERVER_METHOD: Enumeration = Enumeration {
     name: "ObserverMethod",
     description: "Method of estimation",
-    items: &[Item {
-        name: "paper",
-        value: PAPER,
-        description: "(19), (27), (29) as printed",
-    }],
+    items: &[
+        Item {
+            name: "paper",
+            value: Method::Paper as i32,
+            description: "(19), (27), (29) as printed; no proof holds for these gains",
+        },
+        Item {
+            name: "lyapunov",
+            value: Method::Lyapunov as i32,
+            description: "The paper's observer with weights and gains that carry its proof",
+        },
+        Item {
+            name: "energy",
+            value: Method::Energy as i32,
+            description: "Physical energy as Lyapunov function, on three measured speeds",
+        },
+    ],
+};
+
+/// The method of a value of `observer.method`.
+pub(super) fn method(value: i32) -> Method {
+    let chosen = Method::ALL.into_iter().find(|m| *m as i32 == value);
+    chosen.unwrap_or_default()
+}
+
+static PHASE: Enumeration = Enumeration {
+    name: "ObserverPhase",
+    description: "What the clutches do",
+    items: &[
+        Item {
+            name: "open",
+            value: Phase::Open as i32,
+            description: "No clutch transmits",
+        },
+        Item {
+            name: "slipping",
+            value: Phase::Slipping as i32,
+            description: "One clutch transmits and slips: launch, creep",
+        },
+        Item {
+            name: "engaged",
+            value: Phase::Engaged as i32,
+            description: "One clutch is engaged, the other open: drive",
+        },
+        Item {
+            name: "handover",
+            value: Phase::Handover as i32,
+            description: "Both clutches transmit: shift",
+        },
+    ],
 };
 
 const INPUTS: [Variable<Observer>; 5] = [
@@ -129,7 +175,7 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Observer>; 4] {
     ]
 }
 
-const OUTPUTS: [Variable<Observer>; 6] = [
+const OUTPUTS: [Variable<Observer>; 9] = [
     Variable::output(
         ports::DRIVE_SHAFT_TORQUE,
         U::NEWTON_METRE,
@@ -165,6 +211,27 @@ const OUTPUTS: [Variable<Observer>; 6] = [
         "x2 less its estimate",
     )
     .depends_on(&[]),
+    Variable::output(
+        "driveShaft.torqueDeviation",
+        U::NEWTON_METRE,
+        |m: &mut Observer| &mut m.y.t_o_deviation,
+        "Standard deviation of the estimate of T_o, or the torque its correction injects",
+    )
+    .depends_on(&[]),
+    Variable::output(
+        "status.excitation",
+        U::ONE,
+        |m: &mut Observer| &mut m.y.excitation,
+        "How well speeds show the friction of slipping clutches, 0 to 1",
+    )
+    .depends_on(&[]),
+    Variable::enumeration_output(
+        "status.phase",
+        &PHASE,
+        |m: &mut Observer| &mut m.phase,
+        "What the clutches do",
+    )
+    .depends_on(&[]),
     Variable::boolean_output(
         "status.valid",
         |m: &mut Observer| &mut m.y.valid,
@@ -173,17 +240,19 @@ const OUTPUTS: [Variable<Observer>; 6] = [
     .depends_on(&[]),
 ];
 
-const fn clutch_outputs<const I: usize>() -> [Variable<Observer>; 6] {
+const fn clutch_outputs<const I: usize>() -> [Variable<Observer>; 7] {
     let names = [
         [
             "mapBased.clutch1.torque",
             "clutch1.epsilon",
             "clutch1.engaged",
+            "clutch1.torqueDeviation",
         ],
         [
             "mapBased.clutch2.torque",
             "clutch2.epsilon",
             "clutch2.engaged",
+            "clutch2.torqueDeviation",
         ],
     ][I];
     [
@@ -222,6 +291,13 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Observer>; 6] {
             "Friction coefficient learnt while the clutch slipped",
         )
         .depends_on(&[]),
+        Variable::output(
+            names[3],
+            U::NEWTON_METRE,
+            |m: &mut Observer| &mut m.y.t_c_deviation[I],
+            "Standard deviation of the estimate of T_c, or the torque its correction injects",
+        )
+        .depends_on(&[]),
         Variable::boolean_output(
             names[2],
             |m: &mut Observer| &mut m.y.engaged[I],
@@ -231,7 +307,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Observer>; 6] {
     ]
 }
 
-const SETTINGS: [Variable<Observer>; 8] = [
+const SETTINGS: [Variable<Observer>; 4] = [
     Variable::enumeration_parameter(
         "observer.method",
         &OBSERVER_METHOD,
@@ -256,38 +332,6 @@ const SETTINGS: [Variable<Observer>; 8] = [
         |m: &mut Observer| &mut m.settings.scheduled,
         "Gains, given for 1 ms, follow the communication step",
     )
-    .tunable(),
-    Variable::parameter(
-        "gain.L11",
-        U::PER_SECOND,
-        |m: &mut Observer| &mut m.settings.gains.l_11,
-        "L11 of (27)",
-    )
-    .min(0.0)
-    .tunable(),
-    Variable::parameter(
-        "gain.L22",
-        U::PER_SECOND,
-        |m: &mut Observer| &mut m.settings.gains.l_22,
-        "L22 of (27)",
-    )
-    .min(0.0)
-    .tunable(),
-    Variable::parameter(
-        "gain.Lc1",
-        U::ONE,
-        |m: &mut Observer| &mut m.settings.gains.l_c[0],
-        "L_c1 of (29), with the position in m",
-    )
-    .min(0.0)
-    .tunable(),
-    Variable::parameter(
-        "gain.Lc2",
-        U::ONE,
-        |m: &mut Observer| &mut m.settings.gains.l_c[1],
-        "L_c2 of (29), with the position in m",
-    )
-    .min(0.0)
     .tunable(),
 ];
 

@@ -1,0 +1,382 @@
+//! The control-oriented observer that `paper` and `lyapunov` share: they differ in their gains only.
+//!
+//! ```text
+//! x̂' = A x̂ + B û + E T_v + L (y − C x̂),   y = (x1, x2),   û = (T_e, T̂_c1, T̂_c2)            (19)
+//! T̂_ci = (μ_i,n f_i,n + ε̂_i) r_ci N_i θ_mi                                              (23) (24)
+//! ε̂_i' = L_ci (−p1 a_i x̃1 + p2 h_i x̃2) r_ci N_i θ_mi               (29), where p1 = p2 = 1
+//! ```
+//!
+//! **One sample.** The innovation e = y − C x̂ of the last instant is held over the step: first (29) takes
+//! it (adapt), then x̂⁺ = Φ x̂ + Γ_u û + Γ_δ T_v + Γ_L e (predict). Holding y instead of e, or predicting
+//! before adapting, diverges with these gains.
+
+use crate::Params;
+use crate::observer::friction::Friction;
+use crate::observer::lever::Lever;
+use crate::observer::load::Load;
+use crate::observer::lock::{self, Lock};
+use crate::observer::monitor::Monitor;
+use crate::observer::{Estimate, Sample, Settings, Visit, common_estimate};
+use crate::reduced::{Discrete, Reduced};
+use nalgebra::{SMatrix, Vector2, Vector3};
+
+/// What a method chooses: gains for the step at hand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Design {
+    /// L of (19), shape (3, 2).
+    pub l: SMatrix<f64, 3, 2>,
+    /// p1, p2: weights of x̃1 and x̃2 in the adaptation, shape (2).
+    pub weight: [f64; 2],
+    /// L_c1, L_c2 with θ in m, shape (2).
+    pub l_c: [f64; 2],
+}
+
+/// State of the observer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adaptive {
+    /// x̂, shape (3).
+    pub x_hat: Vector3<f64>,
+    /// ε̂_c1, ε̂_c2 [N/m], shape (2).
+    pub epsilon: [f64; 2],
+    /// e = y − C x̂ at the last instant, shape (2).
+    pub innovation: Vector2<f64>,
+    /// Load torque (20).
+    pub load: Load,
+    /// Engaged clutches.
+    pub lock: Lock,
+    /// Friction learnt while slipping.
+    pub friction: Friction,
+    /// f_n of the last instant [N/m], shape (2); 0 below the touch point.
+    pub f_n: [f64; 2],
+    /// Time for which a friction has been at its bound [s].
+    pub saturated: f64,
+    /// g of the last sample; x1 and x2 are defined by it.
+    pub g: [f64; 2],
+    /// What tells that the inputs make no sense.
+    pub monitor: Monitor,
+    /// The discrete model and what it was made for: derived, not part of the state.
+    cache: Option<Cache>,
+}
+
+/// What one sample brings.
+#[derive(Debug, Clone, Copy)]
+struct Now {
+    levers: [Lever; 2],
+    model: Reduced,
+    design: Design,
+    /// T_v [N·m].
+    t_v: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cache {
+    model: Reduced,
+    l: SMatrix<f64, 3, 2>,
+    h: f64,
+    discrete: Discrete,
+}
+
+impl Default for Adaptive {
+    fn default() -> Self {
+        Self {
+            x_hat: Vector3::zeros(),
+            epsilon: [0.0; 2],
+            innovation: Vector2::zeros(),
+            load: Load::default(),
+            lock: Lock::default(),
+            friction: Friction::nominal([0.0; 2]),
+            f_n: [0.0; 2],
+            saturated: 0.0,
+            g: [1.0; 2],
+            monitor: Monitor::default(),
+            cache: None,
+        }
+    }
+}
+
+impl Adaptive {
+    /// Starts from measurements; the estimate holds for their instant.
+    pub fn start(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        design: impl FnOnce(&Reduced, &Reduced) -> Design,
+    ) -> Estimate {
+        *self = Self {
+            friction: Friction::nominal(settings.mu_n),
+            g: ratios(p, sample, lowest_ratios(p)),
+            ..Self::default()
+        };
+        if !sample.is_finite() {
+            return self.refuse();
+        }
+        let y = self.measured(p, sample);
+        self.x_hat = Vector3::new(y[0], y[1], 0.0);
+        self.lock.step(p, sample, 0.0);
+        self.monitor.start(p, sample);
+        let mut now = self.now(p, sample, design);
+        now.t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
+        self.estimate(p, settings, sample, &now)
+    }
+
+    /// Advances by `h` [s] with the gains that `design` gives for the model of the gears at hand and
+    /// that of the lowest gears.
+    pub fn step(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        h: f64,
+        design: impl FnOnce(&Reduced, &Reduced) -> Design,
+    ) -> Estimate {
+        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+            return self.refuse();
+        }
+        self.follow_gears(p, sample);
+        let mut now = self.now(p, sample, design);
+        let engaged = self.lock.engaged();
+        self.lock.step(p, sample, h);
+        if settings.adapts {
+            self.recall(settings, sample, &now.levers, engaged);
+            self.adapt(&now, settings.mu_n, h);
+        }
+        now.t_v = self.load.step(p, settings.load, sample, &self.lock, h);
+        self.predict(settings, sample, &now, h);
+        self.innovation = self.measured(p, sample) - self.x_hat.fixed_rows::<2>(0);
+        let mu_hat = self.mu_hat(settings, &now.levers);
+        self.friction.learn(p, sample, mu_hat, h);
+        let (engaged, e) = (self.lock.engaged(), self.innovation.into());
+        self.monitor.step(p, sample, engaged, e, h);
+        self.monitor.saturated = self.saturated;
+        self.estimate(p, settings, sample, &now)
+    }
+
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        self.x_hat.iter_mut().for_each(&mut *visit);
+        self.epsilon.iter_mut().for_each(&mut *visit);
+        self.innovation.iter_mut().for_each(&mut *visit);
+        self.load.visit(visit);
+        self.lock.since.iter_mut().for_each(&mut *visit);
+        self.friction.visit(visit);
+        self.f_n.iter_mut().for_each(&mut *visit);
+        visit(&mut self.saturated);
+        self.g.iter_mut().for_each(&mut *visit);
+        self.monitor.visit(visit);
+    }
+
+    fn now(
+        &self,
+        p: &Params,
+        sample: &Sample,
+        design: impl FnOnce(&Reduced, &Reduced) -> Design,
+    ) -> Now {
+        let model = Reduced::referred_to(p, p.g(sample.gear), self.g[1], p.c_o);
+        let lowest = lowest_ratios(p);
+        let reference = Reduced::referred_to(p, lowest, lowest[1], p.c_o);
+        let mut design = design(&model, &reference);
+        let scale = gear_scale(&model, &reference);
+        design.l_c = [0, 1].map(|i| design.l_c[i] * scale[i]);
+        Now {
+            levers: [0, 1].map(|i| Lever::new(p, sample, i)),
+            design,
+            model,
+            t_v: 0.0,
+        }
+    }
+
+    /// y = (x1, x2) of (12).
+    ///
+    /// Deviation: with the even shaft in neutral ω_c1 stands in for ω_c2, and ω_w with both.
+    fn measured(&self, p: &Params, sample: &Sample) -> Vector2<f64> {
+        let omega_c2 = match p.g(sample.gear) {
+            [0.0, 0.0] => sample.omega_w * self.g[1],
+            [g1, 0.0] => sample.omega_c[0] * self.g[1] / g1,
+            _ => sample.omega_c[1],
+        };
+        Vector2::new(
+            sample.omega_e - omega_c2,
+            omega_c2 / self.g[1] - sample.omega_w,
+        )
+    }
+
+    /// New gears define new x1 and x2: they start from measurements, and x̂3 follows the jump of x2 as
+    /// (15) says, ẋ3 = k x2 + c ẋ2.
+    fn follow_gears(&mut self, p: &Params, sample: &Sample) {
+        let g = ratios(p, sample, self.g);
+        if g != self.g {
+            self.g = g;
+            let y = self.measured(p, sample);
+            self.x_hat[2] += p.c_o * (y[1] - self.x_hat[1]);
+            self.x_hat.fixed_rows_mut::<2>(0).copy_from(&y);
+            self.innovation = Vector2::zeros();
+        }
+    }
+
+    /// (29) with the innovation held, projected onto friction coefficients that exist.
+    ///
+    /// Deviation: the paper has no projection; it is a safety and does not act on its scenario.
+    fn adapt(&mut self, now: &Now, mu_n: [f64; 2], h: f64) {
+        let (a, h_twist, e) = (now.model.a_slip(), now.model.h_twist(), self.innovation);
+        let Design {
+            weight: [p1, p2],
+            l_c,
+            ..
+        } = now.design;
+        let mut bounded = false;
+        for i in (0..2).filter(|i| now.levers[*i].arm > 0.0) {
+            let Lever { arm, f_n } = now.levers[i];
+            let rate = l_c[i] * (-p1 * a[i] * e[0] + p2 * h_twist[i] * e[1]) * arm;
+            let bound = |mu: f64| (mu - mu_n[i]) * f_n;
+            let (low, high) = (bound(-Friction::PHYSICAL), bound(Friction::PHYSICAL));
+            let free = self.epsilon[i] + h * rate;
+            self.epsilon[i] = free.clamp(low, high);
+            bounded |= self.epsilon[i] != free;
+        }
+        self.saturated = if bounded { self.saturated + h } else { 0.0 };
+    }
+
+    /// (19) over one step with the innovation held.
+    fn predict(&mut self, settings: &Settings, sample: &Sample, now: &Now, h: f64) {
+        let t_c = self.torques(settings, &now.levers).1;
+        let discrete = self.discrete(&now.model, &now.design.l, h);
+        self.x_hat = discrete.phi * self.x_hat
+            + discrete.gamma_u * Vector3::new(sample.t_e, t_c[0], t_c[1])
+            + discrete.gamma_delta * now.t_v
+            + discrete.gamma_l * self.innovation;
+    }
+
+    /// ε̂ of slipping clutches whose friction is known: μ̂, not ε̂, is what stays while the actuator moves.
+    ///
+    /// A clutch that begins to slip takes the friction learnt in its last slip, against the slip.
+    ///
+    /// Deviation: the paper takes ε̂ as slow (ε̇ ≈ 0), but f_n changes with the position, so ε̂ of a wrong
+    /// friction does too; and it lets (29) find each slip anew, from what it adapted in the engaged
+    /// clutch, with the wrong sign where the slip is negative (erratum E8).
+    fn recall(
+        &mut self,
+        settings: &Settings,
+        sample: &Sample,
+        levers: &[Lever; 2],
+        engaged: [bool; 2],
+    ) {
+        for (i, slip) in sample.slip().into_iter().enumerate() {
+            let (before, now) = (self.f_n[i], levers[i].f_n);
+            let slips = now > 0.0 && slip.abs() > lock::SLIP && self.friction.known(i);
+            if slips && (before == 0.0 || engaged[i]) {
+                let mu = self.friction.mu[i] * slip.signum();
+                self.epsilon[i] = (mu - settings.mu_n[i]) * now;
+            } else if slips {
+                self.epsilon[i] *= now / before;
+            }
+            self.f_n[i] = now;
+        }
+    }
+
+    fn discrete(&mut self, model: &Reduced, l: &SMatrix<f64, 3, 2>, h: f64) -> Discrete {
+        match self.cache {
+            Some(cache) if (cache.model, cache.l, cache.h) == (*model, *l, h) => cache.discrete,
+            _ => {
+                let discrete = model.discrete(l, h);
+                self.cache = Some(Cache {
+                    model: *model,
+                    l: *l,
+                    h,
+                    discrete,
+                });
+                discrete
+            }
+        }
+    }
+
+    /// μ̂·f [N/m] and T̂_c [N·m] of (23), (24).
+    fn torques(&self, settings: &Settings, levers: &[Lever; 2]) -> ([f64; 2], [f64; 2]) {
+        let mu_f = [0, 1].map(|i| settings.mu_n[i] * levers[i].f_n + self.epsilon[i]);
+        (mu_f, [0, 1].map(|i| mu_f[i] * levers[i].arm))
+    }
+
+    /// μ̂ of each clutch with the sign of its torque [1], shape (2); 0 below the touch point.
+    fn mu_hat(&self, settings: &Settings, levers: &[Lever; 2]) -> [f64; 2] {
+        let mu_f = self.torques(settings, levers).0;
+        [0, 1].map(|i| {
+            if levers[i].f_n > 0.0 {
+                mu_f[i] / levers[i].f_n
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// What is said of a sample that cannot be used.
+    fn refuse(&self) -> Estimate {
+        Estimate {
+            t_o: self.x_hat[2],
+            epsilon: self.epsilon,
+            friction: self.friction.mu,
+            innovation: self.innovation.into(),
+            engaged: self.lock.engaged(),
+            ..Estimate::refused()
+        }
+    }
+
+    fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, now: &Now) -> Estimate {
+        let (mu_f, t_c) = self.torques(settings, &now.levers);
+        let (t_c_deviation, t_o_deviation) = self.unexplained(now);
+        let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
+        let common = common_estimate(p, settings, sample, engaged, fault);
+        Estimate {
+            t_c,
+            t_o: self.x_hat[2],
+            t_c_deviation,
+            t_o_deviation,
+            t_v: now.t_v,
+            mu_f,
+            epsilon: self.epsilon,
+            friction: self.friction.mu,
+            innovation: self.innovation.into(),
+            ..common
+        }
+    }
+
+    /// Torques that L injects where the model leaves the motion unexplained [N·m]: an error of T_ci
+    /// that lasts shows as L11 x̃1 = a_i T̃_ci, one of T_o as L22 x̃2 = b T̃_o.
+    fn unexplained(&self, now: &Now) -> ([f64; 2], f64) {
+        let [e1, e2]: [f64; 2] = self.innovation.into();
+        let (a, l) = (now.model.a_slip(), now.design.l);
+        let t_c = [0, 1].map(|i| {
+            if now.levers[i].arm > 0.0 {
+                (l[(0, 0)] * e1 / a[i]).abs()
+            } else {
+                0.0
+            }
+        });
+        (t_c, (l[(1, 1)] * e2 / now.model.b_coupling()).abs())
+    }
+}
+
+/// Factor on L_c for the gears at hand [1], shape (2); 1 for the lowest pair, which the gains are given for.
+///
+/// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral or a higher
+/// gear leaves less inertia at the output; at 100 Hz the same L_c would lose stability.
+fn gear_scale(model: &Reduced, reference: &Reduced) -> [f64; 2] {
+    let (a, of_lowest) = (model.a_slip(), reference.a_slip());
+    [0, 1].map(|i| {
+        let less = (of_lowest[i] / a[i]).min(1.0);
+        less * less
+    })
+}
+
+/// Ratio of each shaft's lowest gear, which stands in until a shaft has had a gear; 1 without any.
+fn lowest_ratios(p: &Params) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let lowest = p.i_t[i].iter().find(|i_t| **i_t != 0.0);
+        lowest.map_or(1.0, |i_t| i_t * p.i_f[i])
+    })
+}
+
+/// g1, g2 of the gears preselected; a shaft in neutral keeps its last ratio.
+fn ratios(p: &Params, sample: &Sample, last: [f64; 2]) -> [f64; 2] {
+    let g = p.g(sample.gear);
+    [0, 1].map(|i| if g[i] == 0.0 { last[i] } else { g[i] })
+}

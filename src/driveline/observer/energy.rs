@@ -1,0 +1,370 @@
+//! Method `energy`: the physical energy of the estimation error as Lyapunov function.
+//!
+//! The observer copies the driveline on its three measured speeds ([`Speeds`]) and corrects each by
+//! its own error, ω̃ = ω − ω̂:
+//!
+//! ```text
+//! ω̂_j' = model_j + l_j ω̃_j,   j = e, o, w;     T̂_s' = k (ω̂_o − ω̂_w)
+//! T̂_ci = (μ_i,n + ε̂_i) w_i,    w_i = r_ci N_i F_map,i(θ_mi) sgn(slip_i)
+//! ε̂_i' = −L_i w_i (ω̃_e − g_i ω̃_o)
+//! ```
+//!
+//! Take what the error stores, in joule, and the error of the friction:
+//!
+//! ```text
+//! V = ½ (J_ed ω̃_e² + J_out ω̃_o² + J_v ω̃_w² + T̃_s²/k + Σ ε̃_i²/L_i)
+//! V̇ = ω̃_e (−Σ T̃_ci) + ω̃_o (Σ g_i T̃_ci − T̃_o) + ω̃_w (T̃_o − T̃_v) + T̃_s (ω̃_o − ω̃_w)
+//!     − Σ J_j l_j ω̃_j² − Σ ε̃_i ε̂_i'/L_i
+//! ```
+//!
+//! With T̃_ci = w_i ε̃_i, T̃_o = T̃_s + c (ω̃_o − ω̃_w) and the adaptation above all cross terms cancel:
+//!
+//! ```text
+//! V̇ = −J_ed l_e ω̃_e² − J_out l_o ω̃_o² − J_v l_w ω̃_w² − c (ω̃_o − ω̃_w)² − ω̃_w T̃_v ≤ 0   for T̃_v = 0.
+//! ```
+//!
+//! **Proof: this one**, for any l_j > 0 and L_i > 0, any gears, one clutch or two; every term is a power.
+//! All errors vanish where V̇ does: ω̃ = 0 leaves T̃_s = 0 (from ω_w), then Σ w_i ε̃_i = 0 and
+//! Σ g_i w_i ε̃_i = 0, so ε̃ = 0 for g1 ≠ g2: the null space of (29) (erratum E5) is gone.
+//! Outside the proof: the held innovation; L_i is normalised, L/(w_i² + w_0²), which adds
+//! ½ ε̃_i² d(1/L_i)/dt while the force moves; a change of the mode below, where V may jump.
+//!
+//! **Lock-aware.** sgn(slip) says nothing of an engaged clutch. While the slip stays below 3 rad/s for
+//! 30 ms its ε̂ is frozen and T_ci is the constraint torque. In this mode V, with J_ed moving with J_out,
+//! falls by the same terms. Without lock-awareness the sign does harm (259 % error).
+
+use crate::Params;
+use crate::observer::friction::Friction;
+use crate::observer::load::Load;
+use crate::observer::lock::{Lock, SLIP};
+use crate::observer::monitor::Monitor;
+use crate::observer::schedule::scaled;
+use crate::observer::speeds::{Speeds, output_speed};
+use crate::observer::{Estimate, Observer, Sample, Settings, Visit, common_estimate, visit_switch};
+use crate::reduced::exponential;
+use nalgebra::{Matrix4, Matrix4x3, SMatrix, Vector3, Vector4};
+
+/// w_0: lever below which the adaptation is not normalised [N·m].
+const LEVER: f64 = 20.0;
+const AUGMENTED: usize = 11;
+
+/// Gains that the proof leaves free.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gains {
+    /// l_e, l_o, l_w [1/s], shape (3), > 0.
+    pub l: [f64; 3],
+    /// L of both clutches [N·m/rad], ≥ 0.
+    pub l_c: f64,
+}
+
+impl Gains {
+    /// For a step of 1 ms.
+    pub const AT_1_KHZ: Self = Self {
+        l: [8.0, 40.0, 30.0],
+        l_c: 500.0,
+    };
+    /// For a step of 10 ms.
+    pub const AT_100_HZ: Self = Self {
+        l: [8.0, 20.0, 60.0],
+        l_c: 800.0,
+    };
+
+    /// These gains, given for 1 ms, at a step `h` [s]: see [`scaled`].
+    pub fn at_step(&self, h: f64) -> Self {
+        let [fast, slow] = [Self::AT_1_KHZ, Self::AT_100_HZ];
+        Self {
+            l: [0, 1, 2].map(|j| scaled(self.l[j], [fast.l[j], slow.l[j]], 1, h)),
+            l_c: scaled(self.l_c, [fast.l_c, slow.l_c], 2, h),
+        }
+    }
+}
+
+/// State of the observer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    /// ω̂_e, ω̂_o, ω̂_w [rad/s] and T̂_s [N·m], shape (4).
+    pub x_hat: Vector4<f64>,
+    /// ε̂_1, ε̂_2, in units of μ [1], shape (2).
+    pub epsilon: [f64; 2],
+    /// sgn of the slip seen last beyond the band of an engaged clutch, shape (2).
+    pub direction: [f64; 2],
+    /// ω̃ at the last instant [rad/s], shape (3).
+    pub innovation: Vector3<f64>,
+    /// Load torque (20).
+    pub load: Load,
+    /// Engaged clutches.
+    pub lock: Lock,
+    /// Friction learnt while slipping.
+    pub friction: Friction,
+    /// What tells that the inputs make no sense.
+    pub monitor: Monitor,
+    /// g of the last sample.
+    pub g: [f64; 2],
+    /// Clutches that slipped under force at the last sample, shape (2).
+    pub slipping: [bool; 2],
+    /// The discrete model and what it was made for: derived, not part of the state.
+    cache: Option<(Key, Discrete)>,
+}
+
+/// What the discrete model depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key {
+    model: Speeds,
+    engaged: Option<usize>,
+    l: [f64; 3],
+    h: f64,
+}
+
+/// x⁺ = Φ x + Γ v + Γ_l ω̃.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Discrete {
+    phi: Matrix4<f64>,
+    gamma: Matrix4<f64>,
+    gamma_l: Matrix4x3<f64>,
+}
+
+impl Discrete {
+    fn new(key: &Key) -> Self {
+        let mut m = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
+        m.fixed_view_mut::<4, 4>(0, 0)
+            .copy_from(&key.model.a(key.engaged));
+        m.fixed_view_mut::<4, 4>(0, 4)
+            .copy_from(&key.model.b(key.engaged));
+        for (j, l) in key.l.into_iter().enumerate() {
+            m[(j, 8 + j)] = l;
+        }
+        let psi = exponential(&(m * key.h));
+        Self {
+            phi: psi.fixed_view::<4, 4>(0, 0).into_owned(),
+            gamma: psi.fixed_view::<4, 4>(0, 4).into_owned(),
+            gamma_l: psi.fixed_view::<4, 3>(0, 8).into_owned(),
+        }
+    }
+}
+
+impl Default for Energy {
+    fn default() -> Self {
+        Self {
+            x_hat: Vector4::zeros(),
+            epsilon: [0.0; 2],
+            direction: [1.0; 2],
+            innovation: Vector3::zeros(),
+            load: Load::default(),
+            lock: Lock::default(),
+            friction: Friction::nominal([0.0; 2]),
+            monitor: Monitor::default(),
+            g: [0.0; 2],
+            slipping: [false; 2],
+            cache: None,
+        }
+    }
+}
+
+impl Observer for Energy {
+    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
+        *self = Self {
+            friction: Friction::nominal(settings.mu_n),
+            ..Self::default()
+        };
+        if !sample.is_finite() {
+            return self.refuse();
+        }
+        self.take_speeds(p, sample);
+        self.lock.step(p, sample, 0.0);
+        self.monitor.start(p, sample);
+        self.follow_slip(sample);
+        let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
+        self.estimate(p, settings, sample, t_v)
+    }
+
+    fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
+        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+            return self.refuse();
+        }
+        let gains = if settings.scheduled {
+            settings.energy.at_step(h)
+        } else {
+            settings.energy
+        };
+        if self.g != p.g(sample.gear) {
+            self.take_speeds(p, sample);
+        }
+        self.lock.step(p, sample, h);
+        self.follow_slip(sample);
+        if settings.adapts {
+            self.recall(p, settings, sample);
+            self.adapt(p, settings, sample, gains.l_c, h);
+        }
+        let t_v = self.load.step(p, settings.load, sample, &self.lock, h);
+        self.predict(p, settings, sample, t_v, gains.l, h);
+        self.innovation = measured(p, sample) - self.x_hat.fixed_rows::<3>(0);
+        let mu_hat = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * self.direction[i]);
+        self.friction.learn(p, sample, mu_hat, h);
+        let e = self.innovation_x(p, sample);
+        self.monitor.step(p, sample, self.lock.engaged(), e, h);
+        self.estimate(p, settings, sample, t_v)
+    }
+
+    fn visit(&mut self, visit: Visit<'_>) {
+        self.x_hat.iter_mut().for_each(&mut *visit);
+        self.epsilon.iter_mut().for_each(&mut *visit);
+        self.direction.iter_mut().for_each(&mut *visit);
+        self.innovation.iter_mut().for_each(&mut *visit);
+        self.load.visit(visit);
+        self.lock.since.iter_mut().for_each(&mut *visit);
+        self.friction.visit(visit);
+        self.monitor.visit(visit);
+        self.g.iter_mut().for_each(&mut *visit);
+        self.slipping
+            .iter_mut()
+            .for_each(|slips| visit_switch(slips, visit));
+    }
+}
+
+impl Energy {
+    /// Speeds from measurements: at the start, and when a gear comes in, which is a shock that no torque
+    /// of the model explains. T̂_s, the twist, goes on.
+    fn take_speeds(&mut self, p: &Params, sample: &Sample) {
+        let y = measured(p, sample);
+        self.x_hat.fixed_rows_mut::<3>(0).copy_from(&y);
+        self.innovation = Vector3::zeros();
+        self.g = p.g(sample.gear);
+    }
+
+    /// A clutch that begins to slip has the friction that was learnt in its last slip.
+    fn recall(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
+        let (engaged, w) = (self.lock.engaged(), self.levers(p, sample));
+        let slipping = [0, 1].map(|i| w[i] != 0.0 && !engaged[i]);
+        for i in (0..2).filter(|i| slipping[*i] && !self.slipping[*i]) {
+            if self.friction.known(i) {
+                self.epsilon[i] = self.friction.mu[i] - settings.mu_n[i];
+            }
+        }
+        self.slipping = slipping;
+    }
+
+    /// Keeps the direction of a slip that may be damper vibration.
+    fn follow_slip(&mut self, sample: &Sample) {
+        for (i, slip) in sample.slip().into_iter().enumerate() {
+            if slip.abs() > SLIP {
+                self.direction[i] = slip.signum();
+            }
+        }
+    }
+
+    /// The clutch whose torque is a constraint; of two that are engaged, the one pressed harder.
+    fn engaged(&self, p: &Params, sample: &Sample) -> Option<usize> {
+        let force = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]));
+        match self.lock.engaged() {
+            [true, true] => Some(usize::from(force[1] > force[0])),
+            [true, false] => Some(0),
+            [false, true] => Some(1),
+            [false, false] => None,
+        }
+    }
+
+    /// w_i: torque per unit of friction, with the sign of the slip [N·m], shape (2).
+    fn levers(&self, p: &Params, sample: &Sample) -> [f64; 2] {
+        [0, 1].map(|i| {
+            let clutch = &p.clutch[i];
+            clutch.r_c_n * clutch.force(sample.actuation[i]) * self.direction[i]
+        })
+    }
+
+    /// The adaptation with the innovation held, projected onto friction coefficients that exist.
+    fn adapt(&mut self, p: &Params, settings: &Settings, sample: &Sample, l_c: f64, h: f64) {
+        let (g, w, e) = (p.g(sample.gear), self.levers(p, sample), self.innovation);
+        let engaged = self.engaged(p, sample);
+        let mut bounded = false;
+        for i in (0..2).filter(|i| w[*i] != 0.0 && engaged != Some(*i)) {
+            let gain = l_c / (w[i] * w[i] + LEVER * LEVER);
+            let free = self.epsilon[i] - h * gain * w[i] * (e[0] - g[i] * e[1]);
+            let mu_n = settings.mu_n[i];
+            self.epsilon[i] = free.clamp(-mu_n, Friction::PHYSICAL - mu_n);
+            bounded |= self.epsilon[i] > Friction::PHYSICAL - mu_n - f64::EPSILON;
+        }
+        let saturated = self.monitor.saturated;
+        self.monitor.saturated = if bounded { saturated + h } else { 0.0 };
+    }
+
+    /// T̂_c1, T̂_c2 [N·m] at the present state.
+    fn torques(&self, p: &Params, settings: &Settings, sample: &Sample) -> [f64; 2] {
+        let w = self.levers(p, sample);
+        let mut t_c = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * w[i]);
+        if let Some(i) = self.engaged(p, sample) {
+            let model = Speeds::new(p, sample.gear);
+            t_c[i] = model.constraint_torque(&self.x_hat, i, sample.t_e, t_c[1 - i]);
+        }
+        t_c
+    }
+
+    /// Model copy and correction over one step, the innovation held.
+    fn predict(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        t_v: f64,
+        l: [f64; 3],
+        h: f64,
+    ) {
+        let key = Key {
+            model: Speeds::new(p, sample.gear),
+            engaged: self.engaged(p, sample),
+            l,
+            h,
+        };
+        let discrete = match self.cache {
+            Some((made_for, discrete)) if made_for == key => discrete,
+            _ => Discrete::new(&key),
+        };
+        self.cache = Some((key, discrete));
+        let [one, two] = self.torques(p, settings, sample);
+        let v = Vector4::new(sample.t_e, one, two, t_v);
+        self.x_hat =
+            discrete.phi * self.x_hat + discrete.gamma * v + discrete.gamma_l * self.innovation;
+    }
+
+    /// Innovation in the terms of (12), shape (2).
+    fn innovation_x(&self, p: &Params, sample: &Sample) -> [f64; 2] {
+        let [e, o, w]: [f64; 3] = self.innovation.into();
+        [e - p.g(sample.gear)[1] * o, o - w]
+    }
+
+    /// What is said of a sample that cannot be used.
+    fn refuse(&self) -> Estimate {
+        Estimate {
+            t_o: self.x_hat[3],
+            friction: self.friction.mu,
+            engaged: self.lock.engaged(),
+            ..Estimate::refused()
+        }
+    }
+
+    fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, t_v: f64) -> Estimate {
+        let model = Speeds::new(p, sample.gear);
+        let [e, o, w]: [f64; 3] = self.innovation.into();
+        let l = settings.energy.l;
+        let unexplained = (model.j_ed * l[0] * e).abs();
+        let pressed = self.levers(p, sample).map(|w| w != 0.0);
+        let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
+        let common = common_estimate(p, settings, sample, engaged, fault);
+        let said = Estimate {
+            t_c: self.torques(p, settings, sample),
+            t_o: model.t_o(&self.x_hat),
+            t_v,
+            friction: self.friction.mu,
+            innovation: self.innovation_x(p, sample),
+            t_c_deviation: pressed.map(|pressed| if pressed { unexplained } else { 0.0 }),
+            t_o_deviation: (model.j_out * l[1] * o).abs() + (model.j_v * l[2] * w).abs(),
+            ..common
+        };
+        said.with_friction_terms(p, settings, sample)
+    }
+}
+
+/// (ω_e, ω_o, ω_w) [rad/s], shape (3).
+fn measured(p: &Params, sample: &Sample) -> Vector3<f64> {
+    let omega_o = output_speed(p.g(sample.gear), sample);
+    Vector3::new(sample.omega_e, omega_o, sample.omega_w)
+}

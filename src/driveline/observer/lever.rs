@@ -1,0 +1,32 @@
+//! A clutch in the terms of (23), (24): T_c = μ f_n · r_c N θ_m.
+
+use crate::Params;
+use crate::observer::Sample;
+
+/// Actuator and map of one clutch at an instant, in the terms of (23).
+#[derive(Debug, Clone, Copy)]
+pub struct Lever {
+    /// r_c N θ_m [m²]; 0 below the touch point.
+    pub arm: f64,
+    /// f_n = F_map/θ_m [N/m].
+    pub f_n: f64,
+}
+
+impl Lever {
+    /// Lever of clutch `i`.
+    ///
+    /// Deviation: below the touch point the clutch transmits nothing and ε̂ is frozen; the paper would
+    /// see a phantom torque there. A wet clutch takes the position that gives its force.
+    pub fn new(p: &Params, sample: &Sample, i: usize) -> Self {
+        let clutch = &p.clutch[i];
+        let force = clutch.force(sample.actuation[i]);
+        let theta = clutch.map.position(force);
+        if force <= 0.0 || theta <= 0.0 {
+            return Self { arm: 0.0, f_n: 0.0 };
+        }
+        Self {
+            arm: clutch.r_c_n * theta,
+            f_n: force / theta,
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! Gains that follow the communication step.
+
+use nalgebra::ComplexField;
+
+/// A gain given for 1 ms at a step `h` [s].
+///
+/// It follows the power of h that leads from the default at 1 ms to the one at 10 ms, `defaults`; below
+/// 1 ms it stays. Beyond 10 ms what one sample corrects is held, gain · h^`order`: the same power of h
+/// would lose stability before 20 ms.
+pub fn scaled(gain: f64, defaults: [f64; 2], order: u32, h: f64) -> f64 {
+    let decades = ComplexField::log10((h / 1e-3).clamp(1.0, 10.0));
+    let beyond = (1e-2 / h).min(1.0);
+    let at_step = gain * ComplexField::powf(defaults[1] / defaults[0], decades);
+    (0..order).fold(at_step, |gain, _| gain * beyond)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scaled;
+
+    #[test]
+    fn defaults_come_back_at_their_steps() {
+        for (h, expected) in [(1e-4, 80.0), (1e-3, 80.0), (1e-2, 24.0)] {
+            assert!((scaled(80.0, [80.0, 24.0], 1, h) - expected).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn beyond_10_ms_a_sample_corrects_as_much_as_at_10_ms() {
+        assert!((scaled(80.0, [80.0, 24.0], 1, 2e-2) * 2e-2 - 0.24).abs() < 1e-12);
+        assert!((scaled(5.0, [1.0, 1.0], 2, 2e-2) * 4e-4 - 5e-4).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,67 @@
+//! The method that is chosen at run time.
+
+use crate::Params;
+use crate::observer::{Energy, Estimate, Lyapunov, Observer, Paper, Sample, Settings, Visit};
+
+/// Methods of estimation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// (19), (27), (29) as printed.
+    #[default]
+    Paper = 1,
+    /// The paper's observer with gains that carry its proof.
+    Lyapunov = 2,
+    /// Physical energy as Lyapunov function, on the three measured speeds.
+    Energy = 3,
+}
+
+impl Method {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 3] = [Self::Paper, Self::Lyapunov, Self::Energy];
+}
+
+/// An observer of any method: the states of all of them side by side, so it needs no allocation and
+/// its size does not depend on the method.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Selected {
+    /// The method that acts; takes effect with [`Observer::start`].
+    pub method: Method,
+    paper: Paper,
+    lyapunov: Lyapunov,
+    energy: Energy,
+}
+
+impl Selected {
+    /// An observer of `method`, not started.
+    pub fn new(method: Method) -> Self {
+        Self {
+            method,
+            ..Self::default()
+        }
+    }
+
+    fn acting(&mut self) -> &mut dyn Observer {
+        match self.method {
+            Method::Paper => &mut self.paper,
+            Method::Lyapunov => &mut self.lyapunov,
+            Method::Energy => &mut self.energy,
+        }
+    }
+}
+
+impl Observer for Selected {
+    fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
+        *self = Self::new(self.method);
+        self.acting().start(p, settings, sample)
+    }
+
+    fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
+        self.acting().step(p, settings, sample, h)
+    }
+
+    fn visit(&mut self, visit: Visit<'_>) {
+        self.paper.visit(visit);
+        self.lyapunov.visit(visit);
+        self.energy.visit(visit);
+    }
+}

@@ -1,0 +1,172 @@
+//! Model on the three measured speeds: what `energy`, `kalman` and `calibrating` are built on.
+//!
+//! ```text
+//! J_ed ω_e'  = T_e − T_c1 − T_c2                     from (1), (2) with a stiff damper
+//! J_out ω_o' = g1 T_c1 + g2 T_c2 − T_o               from (4), (5), (8) with stiff transfer shafts
+//! J_v ω_w'   = T_o − T_v                             (9)
+//! T_o = T_s + c (ω_o − ω_w),  T_s' = k (ω_o − ω_w)   (10)
+//! ```
+//!
+//! The states do not refer to a gear, so a new gear or another acting clutch makes no jump. With clutch i
+//! engaged ω_e = g_i ω_o, and T_ci is the constraint torque of (6), found without differentiating:
+//!
+//! ```text
+//! ω_o' = (g_i (T_e − T_cj) + g_j T_cj − T_o)/(J_out + g_i² J_ed),   T_ci = T_e − T_cj − J_ed g_i ω_o'
+//! ```
+
+use crate::Params;
+use crate::observer::Sample;
+use nalgebra::{Matrix4, Vector4};
+
+/// The model for one pair of gears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Speeds {
+    /// J_ed [kg·m²].
+    pub j_ed: f64,
+    /// J_out [kg·m²].
+    pub j_out: f64,
+    /// J_v [kg·m²].
+    pub j_v: f64,
+    /// g1, g2 [1]; 0 in neutral.
+    pub g: [f64; 2],
+    /// k_o [N·m/rad].
+    pub k: f64,
+    /// c_o [N·m·s/rad].
+    pub c: f64,
+}
+
+impl Speeds {
+    /// The model for the gears of a sample.
+    pub fn new(p: &Params, gear: [i32; 2]) -> Self {
+        let g = p.g(gear);
+        Self {
+            j_ed: p.j_ed(),
+            j_out: p.j_out(g),
+            j_v: p.j_v,
+            g,
+            k: p.k_o,
+            c: p.c_o,
+        }
+    }
+
+    /// A for the states (ω_e, ω_o, ω_w, T_s), shape (4, 4), with clutch `engaged` or none.
+    pub fn a(&self, engaged: Option<usize>) -> Matrix4<f64> {
+        let (k, c, j_v) = (self.k, self.c, self.j_v);
+        let t_o = Vector4::new(0.0, c, -c, 1.0);
+        let mut a = Matrix4::zeros();
+        let (output, engine) = match engaged {
+            Some(i) => (self.j_together(i), self.g[i] / self.j_together(i)),
+            None => (self.j_out, 0.0),
+        };
+        a.set_row(0, &(t_o.transpose() * -engine));
+        a.set_row(1, &(t_o.transpose() * (-1.0 / output)));
+        a.set_row(2, &(t_o.transpose() / j_v));
+        a.set_row(3, &Vector4::new(0.0, k, -k, 0.0).transpose());
+        a
+    }
+
+    /// B for the torques (T_e, T_c1, T_c2, T_v), shape (4, 4); the engaged clutch's own is not used.
+    pub fn b(&self, engaged: Option<usize>) -> Matrix4<f64> {
+        let [g1, g2] = self.g;
+        let mut b = Matrix4::zeros();
+        b[(2, 3)] = -1.0 / self.j_v;
+        match engaged {
+            None => {
+                b.set_row(
+                    0,
+                    &(Vector4::new(1.0, -1.0, -1.0, 0.0) / self.j_ed).transpose(),
+                );
+                b.set_row(
+                    1,
+                    &(Vector4::new(0.0, g1, g2, 0.0) / self.j_out).transpose(),
+                );
+            }
+            Some(i) => {
+                let (g, j) = (self.g[i], self.j_together(i));
+                let mut output = Vector4::new(g, g1 - g, g2 - g, 0.0) / j;
+                output[1 + i] = 0.0;
+                b.set_row(0, &(output * g).transpose());
+                b.set_row(1, &output.transpose());
+            }
+        }
+        b
+    }
+
+    /// T_o [N·m] of a state.
+    pub fn t_o(&self, x: &Vector4<f64>) -> f64 {
+        x[3] + self.c * (x[1] - x[2])
+    }
+
+    /// T_ci of the engaged clutch `i` [N·m]: (6) without differentiating.
+    ///
+    /// `other`: torque of the other clutch [N·m].
+    pub fn constraint_torque(&self, x: &Vector4<f64>, i: usize, t_e: f64, other: f64) -> f64 {
+        let (g, g_j) = (self.g[i], self.g[1 - i]);
+        let omega_o_dot = (g * (t_e - other) + g_j * other - self.t_o(x)) / self.j_together(i);
+        t_e - other - self.j_ed * g * omega_o_dot
+    }
+
+    /// J_out + g_i² J_ed: gearbox and engine at the output while clutch `i` is engaged [kg·m²].
+    fn j_together(&self, i: usize) -> f64 {
+        self.j_out + self.g[i] * self.g[i] * self.j_ed
+    }
+}
+
+/// ω_o [rad/s] from every shaft that has a gear in, as least squares on the shafts' speeds; ω_w without.
+pub fn output_speed(g: [f64; 2], sample: &Sample) -> f64 {
+    let weight = g[0] * g[0] + g[1] * g[1];
+    if weight == 0.0 {
+        return sample.omega_w;
+    }
+    (g[0] * sample.omega_c[0] + g[1] * sample.omega_c[1]) / weight
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Speeds, output_speed};
+    use crate::Params;
+    use crate::observer::Sample;
+    use nalgebra::Vector4;
+
+    const P: Params = Params::TABLE_1;
+    /// Round-off of a few products.
+    const TOLERANCE: f64 = 1e-9;
+
+    /// The constraint torque put into the free model moves both speeds as the engaged one does.
+    #[test]
+    fn engaged_model_is_the_free_one_with_the_constraint_torque() {
+        let model = Speeds::new(&P, [1, 2]);
+        let x = Vector4::new(180.0, 10.0, 9.7, 500.0);
+        for (i, other) in [(0, 12.0), (1, -7.0)] {
+            let mut v = Vector4::new(60.0, other, other, 250.0);
+            let engaged = model.a(Some(i)) * x + model.b(Some(i)) * v;
+            v[1 + i] = model.constraint_torque(&x, i, 60.0, other);
+            let free = model.a(None) * x + model.b(None) * v;
+            assert!((engaged - free).amax() < TOLERANCE, "{engaged} {free}");
+            assert!((free[0] - model.g[i] * free[1]).abs() < TOLERANCE);
+        }
+    }
+
+    #[test]
+    fn energy_falls_by_the_loss_in_the_drive_shaft() {
+        let model = Speeds::new(&P, [1, 2]);
+        let x = Vector4::new(180.0, 10.0, 9.7, 500.0);
+        let x_dot = model.a(None) * x;
+        let inertias = Vector4::new(model.j_ed, model.j_out, model.j_v, 1.0 / model.k);
+        let power = inertias.component_mul(&x).dot(&x_dot);
+        assert!((power + P.c_o * 0.3 * 0.3).abs() < TOLERANCE, "{power} W");
+    }
+
+    #[test]
+    fn output_speed_comes_from_the_shafts_that_have_a_gear() {
+        let sample = Sample {
+            omega_c: [180.0, 115.2],
+            omega_w: 9.0,
+            ..Sample::default()
+        };
+        for g in [[18.0, 11.52], [18.0, 0.0], [0.0, 11.52]] {
+            assert!((output_speed(g, &sample) - 10.0).abs() < TOLERANCE);
+        }
+        assert_eq!(output_speed([0.0, 0.0], &sample), 9.0);
+    }
+}

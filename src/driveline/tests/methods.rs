@@ -1,0 +1,210 @@
+//! Every method on the exact plant: accuracy on the paper's scenario, and on scenarios no gain was tuned on.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    dead_code,
+    reason = "helpers of tests"
+)]
+
+mod bench;
+
+use bench::sensors::{noisy, perfect};
+use bench::{Drive, Score, observe, scenarios};
+use dct_driveline::observer::{Fault, Method, Observer, Sample, Selected, Settings};
+
+/// Speed noise of the accuracy limits [rad/s].
+const NOISE: f64 = 0.1;
+
+/// Runs a method along a drive with true parameters; nothing may leave the realm of numbers.
+fn run(method: Method, drive: &Drive, sensors: impl FnMut(Sample) -> Sample) -> Score {
+    let mut observer = Selected::new(method);
+    let settings = Settings::CASE_1;
+    observe(
+        drive,
+        &mut observer,
+        &drive.p,
+        &settings,
+        sensors,
+        |moment, estimate| {
+            let torques = [estimate.t_c[0], estimate.t_c[1], estimate.t_o];
+            let finite = torques.iter().all(|torque| torque.is_finite());
+            assert!(finite, "{method:?} {} t = {} s", drive.name, moment.time);
+        },
+    )
+}
+
+/// Checks the RMSE of a method on a drive [% of RMS], T_c1/T_c2/T_o.
+fn check(method: Method, drive: &Drive, sigma: f64, limits: [f64; 3]) {
+    let errors = run(method, drive, noisy(sigma, 1)).percent();
+    let (h, name) = (drive.h, &drive.name);
+    println!("{method:?} {name} h = {h} s, noise {sigma}: {errors:.1?} of {limits:?} %");
+    let within = errors
+        .iter()
+        .zip(limits)
+        .all(|(error, limit)| *error <= limit);
+    assert!(
+        within,
+        "{method:?} {name} h = {h} s, noise {sigma}: {errors:.1?} > {limits:?} %"
+    );
+}
+
+#[test]
+fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
+    let drive = scenarios::paper().drive(1e-3);
+    check(Method::Paper, &drive, 0.0, [12.0, 15.0, 3.5]);
+    check(Method::Lyapunov, &drive, 0.0, [12.0, 15.0, 3.5]);
+    check(Method::Energy, &drive, 0.0, [6.5, 6.5, 3.0]);
+    check(Method::Energy, &drive, NOISE, [7.0, 7.0, 4.0]);
+}
+
+#[test]
+fn methods_are_within_their_limits_on_the_paper_scenario_at_100_hz() {
+    let drive = scenarios::paper().drive(1e-2);
+    check(Method::Paper, &drive, 0.0, [14.0, 15.0, 7.0]);
+    check(Method::Lyapunov, &drive, 0.0, [14.0, 15.0, 7.0]);
+    check(Method::Energy, &drive, 0.0, [7.0, 8.0, 4.0]);
+}
+
+/// Whatever was driven, the last second is followed: no method diverges, not even from the shock of a
+/// synchroniser that acts at once (5 000 N·m in the drive shaft).
+#[test]
+fn no_method_diverges_on_scenarios_it_was_not_tuned_on() {
+    /// RMSE over the last second [% of the RMS torque of the drive].
+    const SETTLED: f64 = 35.0;
+    for scenario in scenarios::unseen() {
+        for h in [1e-3, 1e-2] {
+            let drive = scenario.drive(h);
+            for method in Method::ALL {
+                let mut observer = Selected::new(method);
+                let settings = Settings::CASE_1;
+                let mut last = Score::default();
+                let whole = observe(
+                    &drive,
+                    &mut observer,
+                    &drive.p,
+                    &settings,
+                    perfect,
+                    |moment, estimate| {
+                        if moment.time > scenario.stop - 1.0 {
+                            last.add(&moment.y, estimate);
+                        }
+                    },
+                );
+                let rms = (whole.truth[2] / drive.moments.len() as f64).sqrt();
+                let error = (last.error[2] * drive.h).sqrt();
+                let percent = 100.0 * error / rms;
+                assert!(
+                    percent < SETTLED,
+                    "{method:?} {} h = {h} s: {percent:.1} %",
+                    drive.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn no_method_diverges_at_any_step_to_20_ms() {
+    for h in [1e-4, 2e-3, 5e-3, 2e-2] {
+        let drive = scenarios::aborted_launch().drive(h);
+        for method in Method::ALL {
+            check(method, &drive, NOISE, [50.0; 3]);
+        }
+    }
+}
+
+/// A state that is visited out of one observer and into another goes on bit for bit.
+#[test]
+fn a_visited_state_is_the_whole_state() {
+    let drive = scenarios::aborted_launch().drive(1e-2);
+    let settings = Settings::CASE_1;
+    let half = drive.moments.len() / 2;
+    for method in Method::ALL {
+        let mut observer = Selected::new(method);
+        observer.start(&drive.p, &settings, &drive.start);
+        for moment in &drive.moments[..half] {
+            observer.step(&drive.p, &settings, &moment.sample, drive.h);
+        }
+        let mut numbers = Vec::new();
+        observer.visit(&mut |value| numbers.push(*value));
+        let mut copy = Selected::new(method);
+        let mut next = numbers.iter();
+        copy.visit(&mut |value| *value = *next.next().unwrap());
+        for moment in &drive.moments[half..] {
+            let [ours, theirs] = [&mut observer, &mut copy]
+                .map(|observer| observer.step(&drive.p, &settings, &moment.sample, drive.h));
+            assert_eq!(ours, theirs, "{method:?} t = {} s", moment.time);
+        }
+    }
+}
+
+/// The last fault told on a drive whose samples are spoilt from 6 s on.
+fn fault(method: Method, spoil: fn(&mut Sample)) -> Option<Fault> {
+    let drive = scenarios::aborted_launch().drive(1e-2);
+    let (mut count, mut last) = (0, None);
+    let sensors = |mut sample: Sample| {
+        count += 1;
+        if count > 600 {
+            spoil(&mut sample);
+        }
+        sample
+    };
+    let mut observer = Selected::new(method);
+    observe(
+        &drive,
+        &mut observer,
+        &drive.p,
+        &Settings::CASE_1,
+        sensors,
+        |_, estimate| {
+            assert_eq!(estimate.valid, estimate.fault.is_none());
+            last = estimate.fault.or(last);
+        },
+    );
+    last
+}
+
+#[test]
+fn inputs_that_make_no_sense_are_told() {
+    for method in Method::ALL {
+        let lost = fault(method, |sample| sample.omega_w = 0.0);
+        let frozen = fault(method, |sample| sample.omega_c[0] = 60.0);
+        let nan = fault(method, |sample| sample.omega_e = f64::NAN);
+        assert_eq!(fault(method, |_| {}), None, "{method:?}");
+        assert_eq!(lost, Some(Fault::NoSpeed), "{method:?}");
+        assert_eq!(frozen, Some(Fault::Frozen), "{method:?}");
+        assert_eq!(nan, Some(Fault::NotFinite), "{method:?}");
+    }
+}
+
+#[test]
+fn a_clean_drive_is_valid_throughout() {
+    for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(7)] {
+        for h in [1e-3, 1e-2] {
+            let drive = scenario.drive(h);
+            for method in Method::ALL {
+                let mut observer = Selected::new(method);
+                let settings = Settings::CASE_1;
+                observe(
+                    &drive,
+                    &mut observer,
+                    &drive.p,
+                    &settings,
+                    perfect,
+                    |moment, estimate| {
+                        let (name, time) = (&drive.name, moment.time);
+                        assert!(
+                            estimate.valid,
+                            "{method:?} {name} t = {time} s: {:?}",
+                            estimate.fault
+                        );
+                    },
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Gains of every method, tunable; given for 1 ms where `gain.scheduled`.
+
+use crate::observer::Observer;
+use fmi2_cosim::{Unit as U, Variable};
+
+/// A gain that may be zero.
+const fn gain(
+    name: &'static str,
+    unit: U,
+    field: fn(&mut Observer) -> &mut f64,
+    description: &'static str,
+) -> Variable<Observer> {
+    Variable::parameter(name, unit, field, description)
+        .min(0.0)
+        .tunable()
+}
+
+/// All of them: `paper` without a prefix, the others under their names.
+pub(super) const GAINS: [Variable<Observer>; 14] = [
+    gain(
+        "gain.L11",
+        U::PER_SECOND,
+        |m| &mut m.settings.gains.l_11,
+        "L11 of (27), paper",
+    ),
+    gain(
+        "gain.L22",
+        U::PER_SECOND,
+        |m| &mut m.settings.gains.l_22,
+        "L22 of (27), paper",
+    ),
+    gain(
+        "gain.Lc1",
+        U::ONE,
+        |m| &mut m.settings.gains.l_c[0],
+        "L_c1 of (29), with the position in m, paper",
+    ),
+    gain(
+        "gain.Lc2",
+        U::ONE,
+        |m| &mut m.settings.gains.l_c[1],
+        "L_c2 of (29), with the position in m, paper",
+    ),
+    gain(
+        "gain.lyapunov.L11",
+        U::PER_SECOND,
+        |m| &mut m.settings.lyapunov.l_11,
+        "L11, lyapunov",
+    ),
+    gain(
+        "gain.lyapunov.L22",
+        U::PER_SECOND,
+        |m| &mut m.settings.lyapunov.l_22,
+        "L22, lyapunov",
+    ),
+    gain(
+        "gain.lyapunov.Lc1",
+        U::ONE,
+        |m| &mut m.settings.lyapunov.l_c[0],
+        "L_c1, with the position in m, lyapunov",
+    ),
+    gain(
+        "gain.lyapunov.Lc2",
+        U::ONE,
+        |m| &mut m.settings.lyapunov.l_c[1],
+        "L_c2, with the position in m, lyapunov",
+    ),
+    gain(
+        "gain.p2",
+        U::ONE,
+        |m| &mut m.settings.lyapunov.p_2,
+        "p2 of V, where p1 is 1: weight of the error of x2, lyapunov",
+    )
+    .min(WEIGHT),
+    gain(
+        "gain.p3",
+        U::ONE,
+        |m| &mut m.settings.lyapunov.p_3,
+        "p3 of V, where p1 is 1: weight of the error of c x2 - x3, in (rad/s)2/(N.m)2, lyapunov",
+    )
+    .min(WEIGHT),
+    gain(
+        "gain.energy.engine",
+        U::PER_SECOND,
+        |m| &mut m.settings.energy.l[0],
+        "l_e: correction of the engine speed, energy",
+    ),
+    gain(
+        "gain.energy.output",
+        U::PER_SECOND,
+        |m| &mut m.settings.energy.l[1],
+        "l_o: correction of the output speed, energy",
+    ),
+    gain(
+        "gain.energy.wheel",
+        U::PER_SECOND,
+        |m| &mut m.settings.energy.l[2],
+        "l_w: correction of the wheel speed, energy",
+    ),
+    gain(
+        "gain.energy.Lc",
+        U::ONE,
+        |m| &mut m.settings.energy.l_c,
+        "L of both clutches in N.m/rad, before it is normalised, energy",
+    ),
+];
+
+/// Smallest weight of a Lyapunov function.
+const WEIGHT: f64 = 1e-9;
