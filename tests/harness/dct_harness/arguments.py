@@ -6,6 +6,8 @@ import argparse
 import math
 from collections.abc import Callable
 
+from .isolated import Limits
+
 Action = Callable[[argparse.Namespace], int]
 Verbs = argparse._SubParsersAction
 
@@ -34,6 +36,17 @@ def seconds(text: str) -> float:
     return value
 
 
+def mebibytes(text: str) -> float:
+    """Read a size [MiB] greater than 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a size greater than 0 MiB")
+    return value
+
+
 def amount(text: str) -> float:
     """Read a number of at least 0."""
     try:
@@ -43,3 +56,20 @@ def amount(text: str) -> float:
     if not (math.isfinite(value) and value >= 0):
         raise argparse.ArgumentTypeError(f"'{text}' is not a number of at least 0")
     return value
+
+
+def add_limits(parser: argparse.ArgumentParser) -> None:
+    """Add what a foreign FMU may take."""
+    group = parser.add_argument_group(
+        "foreign FMUs", "An FMU that this project did not build runs in a process of its own."
+    )
+    group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign")
+    group.add_argument("--call-timeout", type=seconds, default=Limits.seconds, metavar="SECONDS",
+                       help="longest time for one call (%(default)g)")  # fmt: skip
+    group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
+                       help="largest address space (%(default)g)")  # fmt: skip
+
+
+def limits(args: argparse.Namespace) -> Limits:
+    """Return the limits of the command line."""
+    return Limits(args.call_timeout, args.memory, args.isolate)

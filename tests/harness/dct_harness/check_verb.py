@@ -32,9 +32,9 @@ def check(args: argparse.Namespace) -> int:
         return _against(args)
     from fmpy.validation import validate_fmu
 
-    from .fmu import Fmu
+    from .isolated import load
 
-    fmu = Fmu("check", args.fmu)
+    fmu = load("check", args.fmu)
     try:
         problems = validate_fmu(str(args.fmu))
         for text in problems:
@@ -50,7 +50,7 @@ def _against(args: argparse.Namespace) -> int:
     """Print the contract of a plant; returns 1 when the plant breaks it."""
     from . import against, mapping, sanity
     from .archive import described
-    from .fmu import Fmu
+    from .isolated import load
     from .mapped import Mapped
 
     description = described(args.fmu)
@@ -58,7 +58,7 @@ def _against(args: argparse.Namespace) -> int:
     found = against.findings(description, names, same_names=args.map is None)
     _table(("variable", "the FMU's", "contract"), found)
     if not any(f.fault for f in found):
-        signs = sanity.signs(lambda: Mapped(Fmu("plant", args.fmu), names))
+        signs = sanity.signs(lambda: Mapped(load("plant", args.fmu), names))
         print()
         _table(("sign", "signal", "manoeuvre"), signs)
         found += signs

@@ -28,10 +28,10 @@ def doctor(args: argparse.Namespace) -> int:
 
 def _diagnose(path: Path) -> int:
     """Print whether an FMU loads; returns the exit code that stands for the answer."""
-    from .fmu import Fmu
+    from .isolated import load
 
     try:
-        fmu = Fmu("doctor", path)
+        fmu = load("doctor", path)
     except HarnessError as error:
         print(error)
         return error.exit_code

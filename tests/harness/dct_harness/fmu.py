@@ -187,13 +187,16 @@ class Fmu:
         """Advance from `t` to `t + h` [s] with the bound buffers."""
         self.now = t
         started = time.perf_counter()
+        self._step(t, h)
+        self.wall_time += time.perf_counter() - started
+
+    def _step(self, t: float, h: float) -> None:
         self.set_inputs()
         self._t.value, self._h.value = t, h
         status = self._do_step()
         if status > 1:
             self._fail("fmi2DoStep", status)
         self.get_outputs()
-        self.wall_time += time.perf_counter() - started
 
     def _call(self, function: str, action: Any) -> None:
         try:

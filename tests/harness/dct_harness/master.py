@@ -14,6 +14,7 @@ from . import scenario as scenarios
 from .connections import check_types, resolve, types
 from .errors import FmuRuntimeError, HarnessError
 from .fmu import Fmu
+from .isolated import Limits, load
 from .mapped import Mapped, apply_shared
 from .mapping import Mapping
 from .signals import describe
@@ -37,9 +38,11 @@ class Run:
     """One run; after `execute`, also a failed one, `rows` holds the samples so far."""
 
     def __init__(
-        self, system: System, paths: dict[str, Path], mapping: Mapping | None = None
-    ) -> None:
+        self, system: System, paths: dict[str, Path], mapping: Mapping | None = None,
+        limits: Limits | None = None,
+    ) -> None:  # fmt: skip
         self.system, self.paths, self.mapping = system, paths, mapping
+        self.limits = limits or Limits()
         self.names: list[str] = []
         self.rows = np.zeros((0, 0))
         self.fmus: dict[str, Fmu | Mapped] = {}
@@ -55,7 +58,7 @@ class Run:
         """Run from t = 0 to stop; frees every FMU whatever happens."""
         with ExitStack() as stack:
             for name, path in self.paths.items():
-                self.fmus[name] = Fmu(name, path)
+                self.fmus[name] = load(name, path, self.limits)
                 stack.callback(self.fmus[name].close)
             self._map()
             self.identities = {name: fmu.identity() for name, fmu in self.fmus.items()}

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import formats, junit, kpi, mapping, progress, results, system, watch
-from .arguments import Verbs, seconds, verb
+from .arguments import Verbs, add_limits, limits, seconds, verb
 from .environment import environment
 from .errors import ConfigError, HarnessError
 from .master import Run
@@ -35,6 +35,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
     parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
     parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
+    add_limits(parser)
     parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")
     parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="limits as JUnit XML")
@@ -82,7 +83,7 @@ def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     names = _mapping(args, model)
     for text in args.set:
         model.override(text)
-    return Run(model, paths, names), args.out or Path("target/results") / model.name
+    return Run(model, paths, names, limits(args)), args.out or Path("target/results") / model.name
 
 
 def _mapping(args: argparse.Namespace, model: system.System) -> mapping.Mapping | None:

@@ -1,0 +1,149 @@
+"""FMUs that misbehave: each ends in a clear error and exit code, with the rows until then."""
+
+from __future__ import annotations
+
+import subprocess
+import time
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from dct_harness import results
+from dct_harness.isolated import Isolated, Limits
+from harness_fixture.lag_fmu import HERE, LAG, run, variable, write_fmu, write_system
+
+(CRASH, HANG, EXIT, FORK, FLOOD, CHDIR, PRINT, MEMORY, DAEMON, ABORT, GARBAGE, CLOSE, IGNORE_TERM,
+ HANG_AT_END) = range(1, 15)  # fmt: skip
+HOSTILE = (*LAG, variable("mode", 0, "parameter", "0", "Integer"))
+AT = "plant: fmi2DoStep at t = 0.1 s"
+CALLS = 2000
+DEARER = 200e-6  # s per step; 40 µs on a quiet machine (measured 27), CI machines are busy
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the hostile FMU as Lag.fmu."""
+    folder = tmp_path_factory.mktemp("hostile")
+    headers = Path(fmpy.__file__).parent / "c-code"
+    sources, library = (HERE / "hostile/hostile.c", HERE / "unsupported.c"), folder / "Lag.so"
+    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, "-o", library, "-lm"]
+    subprocess.run(command, check=True)
+    write_fmu(folder / "Lag.fmu", library, HOSTILE)
+    return folder
+
+
+def _rows(folder: Path) -> int:
+    """Return how many rows are kept; each is the lag's closed form."""
+    kept = results.load(folder / "out")
+    assert np.max(np.abs(kept["plant.x"] - 2 * (1 - np.exp(-kept.time)))) < 1e-12
+    return len(kept.time)
+
+
+@pytest.mark.parametrize(("mode", "code", "said"), [
+    (CRASH, 4, f"{AT}: the FMU crashed (SIGSEGV), its process had "),
+    (HANG, 5, f"{AT} did not return within 1 s (--call-timeout)"),
+    (EXIT, 4, f"{AT}: the FMU ended its process (exit code 7)"),
+    (FORK, 4, f"{AT}: the FMU started a process of its own"),
+    (DAEMON, 4, f"{AT}: the FMU started a process of its own"),
+    (MEMORY, 4, f"{AT}: the FMU crashed (SIGABRT), its process had "),
+    (ABORT, 4, "it printed: assertion failed: gear > 0"),
+    (CLOSE, 4, f"{AT}: the FMU crashed (SIGKILL)"),
+    (IGNORE_TERM, 5, "did not return within 1 s"),
+])  # fmt: skip
+def test_misbehaviour_ends_the_run_and_keeps_the_rows(
+    tmp_path: Path, hostile: Path, mode: int, code: int, said: str
+) -> None:
+    limits = ("--call-timeout", "1" if code == 5 else "20", "--memory", "512")
+    done = run(write_system(tmp_path), hostile, "--set", f"plant.mode={mode}", *limits)
+    assert done.returncode == code, done.stderr
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert _rows(tmp_path) == 101
+    assert not _left(hostile)
+
+
+def _left(folder: Path) -> list[str]:
+    """Return the processes that still have a library of the fixture loaded."""
+    time.sleep(0.05)
+    found = []
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        try:
+            if f"{folder.name}" in maps.read_text() or "Lag.so" in maps.read_text():
+                found.append(maps.parent.name)
+        except OSError:
+            continue
+    return found
+
+
+@pytest.mark.parametrize(("mode", "said"), [
+    (FLOOD, "floods its log: further messages are dropped"),
+    (CHDIR, "changed its working directory: /"),
+])  # fmt: skip
+def test_a_nuisance_is_noted_and_the_run_goes_on(
+    tmp_path: Path, hostile: Path, mode: int, said: str
+) -> None:
+    done = run(write_system(tmp_path, "0.15"), hostile, "--set", f"plant.mode={mode}")
+    assert done.returncode == 0, done.stderr
+    log = results.load(tmp_path / "out").run["log"]
+    assert [m["message"] for m in log if m["category"] == "harness"] == [said]
+    assert len(log) <= 1001
+    assert _rows(tmp_path) == 151
+
+
+def test_what_an_fmu_prints_stays_out_of_our_output(tmp_path: Path, hostile: Path) -> None:
+    options = ("--set", f"plant.mode={PRINT}", "--quiet")
+    done = run(write_system(tmp_path, "0.11"), hostile, *options)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert _rows(tmp_path) == 111
+
+
+def test_junk_in_our_pipe_is_an_error_and_not_a_hang(tmp_path: Path, hostile: Path) -> None:
+    done = run(write_system(tmp_path), hostile, "--set", f"plant.mode={GARBAGE}")
+    assert done.returncode == 4, done.stderr
+    assert "plant: " in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_an_fmu_that_does_not_terminate_does_not_keep_the_result(
+    tmp_path: Path, hostile: Path
+) -> None:
+    options = ("--set", f"plant.mode={HANG_AT_END}", "--call-timeout", "1")
+    done = run(write_system(tmp_path, "0.2"), hostile, *options)
+    assert done.returncode == 0, done.stderr
+    assert _rows(tmp_path) == 201
+    assert not _left(hostile)
+
+
+@pytest.mark.parametrize(("option", "value"), [("--call-timeout", "0"), ("--memory", "-1")])
+def test_a_limit_that_is_none_is_refused(
+    tmp_path: Path, hostile: Path, option: str, value: str
+) -> None:
+    done = run(write_system(tmp_path), hostile, f"{option}={value}")
+    assert done.returncode == 2
+    assert "greater than 0" in done.stderr
+
+
+@pytest.mark.parametrize("isolate", ["none", "foreign"])
+def test_the_other_process_gives_the_same_bits(tmp_path: Path, hostile: Path, isolate: str) -> None:
+    done = run(write_system(tmp_path), hostile, "--isolate", isolate)
+    assert done.returncode == 0, done.stderr
+    record = results.load(tmp_path / "out").run["parameters"]["plant"]
+    assert {n: p["value"] for n, p in record.items()} == {
+        "tau": 1.0, "failAt": 1e9, "nanAt": 1e9, "delay": 0.0, "mode": 0,
+    }  # fmt: skip
+    assert _rows(tmp_path) == 1001
+
+
+def test_a_step_in_another_process_costs_little(hostile: Path) -> None:
+    fmu = Isolated("plant", hostile / "Lag.fmu", Limits())
+    try:
+        fmu.initialize(10.0, {})
+        fmu.bind(np.zeros(1), np.zeros(1))
+        fmu.exit_initialization()
+        started = time.perf_counter()
+        for k in range(CALLS):
+            fmu.step(k * 1e-3, 1e-3)
+        assert (time.perf_counter() - started) / CALLS < DEARER
+    finally:
+        fmu.close()
