@@ -35,6 +35,11 @@ pub enum Error {
         /// Files that differ or are missing.
         files: Vec<PathBuf>,
     },
+    /// A parameter set does not fit its model.
+    ParameterSet {
+        /// What does not fit.
+        fault: String,
+    },
     /// A file could not be read or written.
     Io {
         /// The file.
@@ -135,6 +140,7 @@ impl fmt::Display for Error {
                     .try_for_each(|file| writeln!(f, "  {}", file.display()))?;
                 write!(f, "run `cargo fmu describe` and commit the result")
             }
+            Self::ParameterSet { fault } => write!(f, "parameter set: {fault}"),
             Self::Io { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Zip { path, source } => write!(f, "{}: {source}", path.display()),
             Self::UnsafeMember { name } => {

@@ -19,6 +19,7 @@ mod error;
 pub mod library;
 pub mod models;
 mod page;
+pub mod parameters;
 pub mod port;
 pub mod ssp;
 mod table;
@@ -37,7 +38,8 @@ use std::path::{Path, PathBuf};
 /// The models whose descriptions the harness holds a supplier's plant to.
 const CONTRACT: [&str; 2] = ["DctPlant", "DctObserver"];
 
-/// Every file of `modelDescription/` with its text, and the harness's copies of the contract.
+/// Every file of `modelDescription/` with its text, the harness's copies of the contract, and the
+/// parameter files of the presets.
 ///
 /// # Errors
 /// When a model cannot be described.
@@ -53,10 +55,11 @@ pub fn descriptions() -> Result<Vec<(PathBuf, String)>> {
         files.push((folder.join(name), text));
     }
     files.push((folder.join("VARIABLES.md"), variables_md::text()?));
+    files.extend(parameters::files()?);
     Ok(files)
 }
 
-/// Writes `modelDescription/`; returns the files.
+/// Writes `modelDescription/` and the parameter files; returns the files.
 ///
 /// # Errors
 /// When a model cannot be described or a file not be written.
@@ -68,7 +71,7 @@ pub fn refresh() -> Result<Vec<PathBuf>> {
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
-/// Compares `modelDescription/` with what the models say.
+/// Compares `modelDescription/` and the parameter files with what the models say.
 ///
 /// # Errors
 /// [`Error::Stale`] with the files that differ and the command that refreshes them.

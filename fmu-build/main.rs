@@ -26,7 +26,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write modelDescription/*.xml and VARIABLES.md from the models.
+    /// Write modelDescription/ and the parameter files (.ssv) of the presets from the models.
     #[command(after_help = "Commit what it writes: the FMUs carry exactly these descriptions.")]
     Describe {
         /// Write nothing; fail when a file differs from what the models say.

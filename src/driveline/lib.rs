@@ -18,6 +18,7 @@ pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;
 mod plant_rows;
+mod presets;
 pub mod reduced;
 mod rung;
 mod shaft;

@@ -12,6 +12,7 @@ mod clutch_control;
 mod observer;
 mod plant;
 pub mod ports;
+pub mod presets;
 mod rows;
 mod step;
 mod vehicle;

@@ -11,6 +11,7 @@ from typing import Any
 
 import jsonschema
 
+from . import parameters
 from .errors import ConfigError, did_you_mean
 from .kpi.registry import BY_KEY
 
@@ -86,7 +87,7 @@ def load(path: Path) -> System:
         raise ConfigError(f"{path}: is not valid TOML: {error}") from error
     _validate(path, data)
     head = data["system"]
-    components = {n: Component(c["fmu"], dict(c.get("parameters", {})))
+    components = {n: Component(c["fmu"], parameters.gather(path, c.get("parameters", {})))
                   for n, c in sorted(data["components"].items(), key=_rank)}  # fmt: skip
     targets = [c["to"] for c in data.get("connections", [])]
     for target in targets:

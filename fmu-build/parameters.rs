@@ -1,0 +1,226 @@
+//! Parameter files: a preset as a parameter set of the SSP standard (`.ssv`), written from the tables of
+//! the models and read back into them.
+
+use crate::description::finite;
+use crate::library;
+use crate::xml::Element;
+use crate::{Error, Result};
+use dct_models::presets::{PRESETS, Parametrised, Preset};
+use dct_models::{ClutchControl, Observer, Plant};
+use fmi2_cosim::{Access, Unit, Variable};
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use std::path::PathBuf;
+
+const VALUES: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
+const COMMON: &str = "http://ssp-standard.org/SSP1/SystemStructureCommon";
+
+/// Every parameter file of `examples/closed_loop/parameters` with its text.
+///
+/// The clutch control moves positions, so it has none for clutches that pressure moves.
+///
+/// # Errors
+/// When a number is not finite.
+pub fn files() -> Result<Vec<(PathBuf, String)>> {
+    let folder = library::workspace().join("examples/closed_loop/parameters");
+    let mut files = Vec::new();
+    for preset in &PRESETS {
+        let mut texts = vec![
+            ("plant", text::<Plant>(preset)?),
+            ("observer", text::<Observer>(preset)?),
+        ];
+        if preset
+            .params
+            .clutch
+            .iter()
+            .all(|one| one.piston_area == 0.0)
+        {
+            texts.push(("control", text::<ClutchControl>(preset)?));
+        }
+        for (component, text) in texts {
+            files.push((
+                folder.join(format!("{}_{component}.ssv", preset.name)),
+                text,
+            ));
+        }
+    }
+    Ok(files)
+}
+
+/// The parameter set of a preset for model `M`.
+///
+/// # Errors
+/// When a number is not finite.
+pub fn text<M: Parametrised>(preset: &Preset) -> Result<String> {
+    let mut model = M::of_preset(preset);
+    let rows = M::VARIABLES.iter().filter(|row| M::describes_vehicle(row));
+    let rows: Vec<_> = rows.collect();
+    let values = rows.iter().map(|row| parameter(row, &mut model));
+    let set = Element::new("ssv:ParameterSet")
+        .with("xmlns:ssv", VALUES)
+        .with("xmlns:ssc", COMMON)
+        .with("version", "1.0")
+        .with("name", preset.name)
+        .with("description", preset.title)
+        .holding([Element::new("ssv:Parameters").holding(values.collect::<Result<Vec<_>>>()?)])
+        .holding([Element::new("ssv:Units").holding(units(&rows))]);
+    Ok(set.document())
+}
+
+fn parameter<M>(row: &Variable<M>, model: &mut M) -> Result<Element> {
+    let value = match row.access {
+        Access::Real(field) => Element::new("ssv:Real")
+            .with("value", finite(row.name, "value", *field(model))?)
+            .with("unit", row.unit.name),
+        Access::Integer(field) => Element::new("ssv:Integer").with("value", field(model)),
+        Access::Enumeration(field, _) => Element::new("ssv:Integer").with("value", field(model)),
+        Access::Boolean(field) => Element::new("ssv:Boolean").with("value", field(model)),
+    };
+    Ok(Element::new("ssv:Parameter")
+        .with("name", row.name)
+        .with("description", row.description)
+        .holding([value]))
+}
+
+fn units<M>(rows: &[&Variable<M>]) -> Vec<Element> {
+    let mut used: Vec<Unit> = Vec::new();
+    for row in rows
+        .iter()
+        .filter(|row| matches!(row.access, Access::Real(_)))
+    {
+        if used.iter().all(|unit| unit.name != row.unit.name) {
+            used.push(row.unit);
+        }
+    }
+    let element = |unit: &Unit| {
+        let base = Unit::BASE
+            .iter()
+            .zip(unit.exponents)
+            .filter(|(_, exponent)| *exponent != 0)
+            .fold(Element::new("ssc:BaseUnit"), |base, (name, exponent)| {
+                base.with(name, exponent)
+            });
+        Element::new("ssc:Unit")
+            .with("name", unit.name)
+            .holding([base])
+    };
+    used.iter().map(element).collect()
+}
+
+/// Model `M` with the values of a parameter set that [`text`] wrote.
+///
+/// # Errors
+/// [`Error::ParameterSet`] when it is no XML, or a parameter is not one of `M` or has no value of its type.
+pub fn read<M: Parametrised>(text: &str) -> Result<M> {
+    let mut model = M::default();
+    let mut reader = Reader::from_str(text);
+    let mut name = String::new();
+    loop {
+        let event = reader
+            .read_event()
+            .map_err(|error| refused(error.to_string()))?;
+        match event {
+            Event::Eof => return Ok(model),
+            Event::Start(tag) if tag.local_name().as_ref() == "Parameter" => {
+                name = attribute(&tag, "name")?;
+            }
+            Event::Empty(tag) if is_value(&tag) => {
+                set(&mut model, &name, &attribute(&tag, "value")?)?
+            }
+            _ => {}
+        }
+    }
+}
+
+fn is_value(tag: &BytesStart<'_>) -> bool {
+    matches!(tag.local_name().as_ref(), "Real" | "Integer" | "Boolean")
+}
+
+fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String> {
+    let found = tag.try_get_attribute(name).ok().flatten();
+    let value = found.map(|found| found.value.into_owned());
+    value.ok_or_else(|| refused(format!("an element has no attribute {name}")))
+}
+
+fn set<M: Parametrised>(model: &mut M, name: &str, value: &str) -> Result<()> {
+    let row = M::VARIABLES.iter().find(|row| row.name == name);
+    let row = row.ok_or_else(|| refused(format!("{name} is no variable of {}", M::NAME)))?;
+    let read = match row.access {
+        Access::Real(field) => value.parse().map(|value| *field(model) = value).is_ok(),
+        Access::Boolean(field) => value.parse().map(|value| *field(model) = value).is_ok(),
+        Access::Integer(field) | Access::Enumeration(field, _) => {
+            value.parse().map(|value| *field(model) = value).is_ok()
+        }
+    };
+    if read {
+        Ok(())
+    } else {
+        let kind = row.access.type_name();
+        Err(refused(format!("{name} = {value} is no {kind}")))
+    }
+}
+
+const fn refused(fault: String) -> Error {
+    Error::ParameterSet { fault }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check<M: Parametrised>(preset: &Preset) -> M {
+        let written = text::<M>(preset).unwrap();
+        let mut back: M = read(&written).unwrap();
+        let mut meant = M::of_preset(preset);
+        let rows = M::VARIABLES.iter().filter(|row| M::describes_vehicle(row));
+        let mut count = 0;
+        for row in rows {
+            let same = match row.access {
+                Access::Real(field) => field(&mut back).to_bits() == field(&mut meant).to_bits(),
+                Access::Boolean(field) => field(&mut back) == field(&mut meant),
+                Access::Integer(field) | Access::Enumeration(field, _) => {
+                    field(&mut back) == field(&mut meant)
+                }
+            };
+            assert!(same, "{}", row.name);
+            count += 1;
+        }
+        assert!(count > 40, "{count} parameters");
+        back
+    }
+
+    #[test]
+    fn every_preset_reads_back_bit_for_bit() {
+        for preset in &PRESETS {
+            let mut plant: Plant = check(preset);
+            assert_eq!(plant.vehicle(), preset.params, "no parameter is missing");
+            check::<Observer>(preset);
+            check::<ClutchControl>(preset);
+        }
+    }
+
+    #[test]
+    fn a_set_that_does_not_fit_says_why() {
+        let set =
+            |inner: &str| format!("<ParameterSet><Parameters>{inner}</Parameters></ParameterSet>");
+        let cases = [
+            (
+                "<Parameter name=\"no.such\"><Real value=\"1\"/></Parameter>",
+                "no.such",
+            ),
+            (
+                "<Parameter name=\"engine.inertia\"><Real value=\"x\"/></Parameter>",
+                "engine.inertia = x",
+            ),
+            (
+                "<Parameter name=\"engine.inertia\"><Real/></Parameter>",
+                "attribute value",
+            ),
+            ("<Parameter", ""),
+        ];
+        for (inner, expected) in cases {
+            let error = read::<Plant>(&set(inner)).err().expect(inner).to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

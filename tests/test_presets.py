@@ -1,0 +1,89 @@
+"""Presets as parameter files: read into the FMUs, refused where they do not fit, driven."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from closed_loop_runs import FMUS, SYSTEMS, run
+from dct_harness import parameters
+from dct_harness.errors import ConfigError
+from dct_harness.fmu import Fmu
+
+SETS = SYSTEMS / "parameters"
+HEAD = f'<s:ParameterSet xmlns:s="{parameters.VALUES[1:-1]}"><s:Parameters>'
+TAIL = "</s:Parameters></s:ParameterSet>"
+MODELS = {"plant": "DctPlant", "observer": "DctObserver", "control": "DctClutchControl"}
+
+
+@pytest.mark.parametrize("path", sorted(SETS.glob("*.ssv")), ids=lambda path: path.stem)
+def test_an_fmu_takes_every_value_of_a_parameter_file(path: Path) -> None:
+    component = path.stem.split("_")[1]
+    values = parameters.read(path)
+    fmu = Fmu(component, FMUS / f"{MODELS[component]}.fmu")
+    try:
+        fmu.initialize(1.0, values)
+        found = fmu.parameters()
+    finally:
+        fmu.close()
+    assert {name: found[name]["value"] for name in values} == values
+    assert len(values) > 40
+
+
+def test_the_paper_preset_is_where_the_plant_starts() -> None:
+    fmu = Fmu("plant", FMUS / "DctPlant.fmu")
+    try:
+        fmu.initialize(1.0, {})
+        found = fmu.parameters()
+    finally:
+        fmu.close()
+    values = parameters.read(SETS / "paper_plant.ssv")
+    assert {name: found[name]["value"] for name in values} == values
+    left = set(found) - set(values)
+    assert left == {"engine.speed_start", "vehicle.speed_start"}
+
+
+def test_pressure_starts_the_wet_box_on_a_hill_without_roll_back(tmp_path: Path) -> None:
+    signals = run("launch_wet6", (), tmp_path).signals
+    time, speed = signals["time"], signals["plant.vehicle.speed"]
+    held = signals["plant.wheel.held"] > 0
+    assert held[time < 0.5].all()
+    assert not held[-1]
+    assert (speed[held] == 0).all()
+    assert speed.min() > -0.01
+    assert speed[-1] > 3
+    clutch = signals["plant.clutch1.torque"][np.searchsorted(time, 2.2)]
+    expected = 0.3 * 0.52 * (12e5 * 0.001 - 500)  # mu r_c N (p A - spring)
+    assert clutch == pytest.approx(expected, rel=1e-3)
+    record = json.loads((tmp_path / "run.json").read_text())
+    assert record["parameters"]["plant"]["engine.inertia"]["value"] == 0.2
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("<broken", "is not valid XML"),
+    ("<other/>", "its root is <other>"),
+    (f'{HEAD}<s:Parameter name="a"/>{TAIL}', "'a' needs exactly one value"),
+    (f'{HEAD}<s:Parameter name="a"><s:Real value="x"/></s:Parameter>{TAIL}', "'x' is no Real"),
+    (f'{HEAD}<s:Parameter name="a"><s:Real value="1" unit="furlong"/></s:Parameter>{TAIL}',
+     "the unit 'furlong' is not known"),
+])  # fmt: skip
+def test_a_parameter_file_that_makes_no_sense_is_refused(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    path = tmp_path / "x.ssv"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        parameters.read(path)
+    assert str(path) in str(caught.value)
+    assert said in str(caught.value)
+
+
+def test_values_come_in_si_and_the_last_one_counts(tmp_path: Path) -> None:
+    value = '<s:Parameter name="a"><s:Real value="2" unit="bar"/></s:Parameter>'
+    (tmp_path / "x.ssv").write_text(HEAD + value + TAIL)
+    system = tmp_path / "system.toml"
+    assert parameters.gather(system, "x.ssv") == {"a": 2e5}
+    assert parameters.gather(system, ["x.ssv", {"a": 1.0}]) == {"a": 1.0}
+    assert parameters.gather(system, [{"a": 1.0, "b": 3}, "x.ssv"]) == {"a": 2e5, "b": 3}
