@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from dct_harness import report, results, system
 from dct_harness.errors import ConfigError
-from dct_harness.report import cells, diagram, downsample, friction, runs
+from dct_harness.report import benefit, cells, diagram, downsample, friction, runs
 from dct_harness.results import Results
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -252,3 +252,15 @@ def test_page_of_full_runs_stays_small(tmp_path: Path) -> None:
 def test_no_run_is_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"no results\.csv"):
         report.write([tmp_path], tmp_path / "report", "T")
+
+
+def test_a_pair_of_runs_says_what_the_estimates_buy(tmp_path: Path) -> None:
+    """Ratios are those of the KPIs, and one above 1 is marked."""
+    views = runs.load(write_all(tmp_path))
+    (pair,) = runs.pairs(views)
+    rows = {(r["title"], r["of"]): r for r in benefit.rows(pair)}
+    tracking = rows["RMS torque-tracking error while slipping", "both clutches"]
+    (found,) = (r for r in pair.rows if r["signal"] == "clutches")
+    assert float(tracking["ratio"]) == pytest.approx(found["value"], rel=0.05)
+    assert tracking["worse"] is (found["value"] > 1)
+    assert ("friction energy", "clutch 1") in rows

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Result directory under `target/demo`, system file, feedback of the control.
-const RUNS: [(&str, &str, Option<bool>); 6] = [
+const RUNS: [(&str, &str, Option<bool>); 10] = [
     ("paper_case1", "paper_case1", None),
     ("paper_case2", "paper_case2", None),
     ("torque_tracking_case1", "torque_tracking_case1", Some(true)),
@@ -19,6 +19,18 @@ const RUNS: [(&str, &str, Option<bool>); 6] = [
     (
         "torque_tracking_case2_no_feedback",
         "torque_tracking_case2",
+        Some(false),
+    ),
+    ("friction_fade_case1", "friction_fade_case1", Some(true)),
+    (
+        "friction_fade_case1_no_feedback",
+        "friction_fade_case1",
+        Some(false),
+    ),
+    ("friction_fade_case2", "friction_fade_case2", Some(true)),
+    (
+        "friction_fade_case2_no_feedback",
+        "friction_fade_case2",
         Some(false),
     ),
 ];

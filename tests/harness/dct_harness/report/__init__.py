@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 
 from .. import __version__, results
 from ..kpi import KPIS
-from . import cells, diagram, downsample, earlier, figures, runs
+from . import benefit, cells, diagram, downsample, earlier, figures, runs, shaft_model
 from .picture import picture
 from .runs import View
 
@@ -81,14 +81,16 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
     alone = [v for v in views if id(v) not in paired]
     verdict, judged = runs.overall(views, pairs)
     sections = [_section(v, alone[:k]) for k, v in enumerate(alone)]
-    compared = [{"pair": p, "figure": figures.of_pair(p)} for p in pairs]
+    compared = [_compared(pair) for pair in pairs]
     energy = figures.energy(views)
     drawn = [f for s in sections for f in s["figures"]]
+    shown = next(filter(None, map(shaft_model.section, views)), None)
+    drawn += [shown["figure"]] if shown else []
     drawn += [c["figure"] for c in compared if c["figure"]] + ([energy] if energy else [])
     largest = max(views, key=lambda v: len(v.run.get("system", {}).get("components", {})))
     return {
         "title": title, "views": views, "verdict": verdict, "sections": sections,
-        "compared": compared, "energy": energy, "figures": drawn, "cells": cells,
+        "compared": compared, "shaft": shown, "energy": energy, "figures": drawn, "cells": cells,
         "limits": cells.limit_rows(judged), "tags": runs.tags(views, pairs),
         "diagram": diagram.layout(largest.run), "diagram_of": largest,
         "phases": _phases(views), "kpis": KPIS,
@@ -97,6 +99,11 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
         "earlier": [found for view in views if (found := earlier.changes(view))],
         "bins": downsample.BINS, "version": __version__,
     }  # fmt: skip
+
+
+def _compared(pair: runs.Pair) -> dict[str, Any]:
+    """Return a pair with its figure and what the estimates buy."""
+    return {"pair": pair, "figure": figures.of_pair(pair), "benefit": benefit.rows(pair)}
 
 
 def _phases(views: list[View]) -> list[dict[str, Any]]:

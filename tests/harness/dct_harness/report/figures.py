@@ -62,7 +62,8 @@ def _before(
     return [{**trace(earlier, shape(values), role, f"{name}, earlier"), "before": True}]
 
 
-def _figure(key: str, view: View, panels: list[Json], caption: str, aria: str) -> Json | None:
+def panelled(key: str, view: View, panels: list[Json], caption: str, aria: str) -> Json | None:
+    """Return a figure of panels above one another; None without a line."""
     panels = [p for p in panels if p["traces"]]
     if not panels:
         return None
@@ -111,7 +112,7 @@ def driveline(view: View) -> Json | None:
         _ribbons(view),
     ]
     caption = "Actuator positions, driveline speeds and clutch states"
-    return _figure("driveline", view, panels, caption, f"{caption} of {view.title}")
+    return panelled("driveline", view, panels, caption, f"{caption} of {view.title}")
 
 
 def _ribbons(view: View) -> Json:
@@ -141,7 +142,7 @@ def torques(view: View) -> Json | None:
             lines += _marks(view, clutch, view.results[f"plant.{torque}"])
         panels.append({"title": title, "traces": lines, "shades": shades})
     caption = "Torques: true, map-based, observer"
-    return _figure("torques", view, panels, caption, f"{caption}; {view.title}")
+    return panelled("torques", view, panels, caption, f"{caption}; {view.title}")
 
 
 def friction(view: View) -> Json | None:
@@ -156,7 +157,7 @@ def friction(view: View) -> Json | None:
         title = f"μ·f {LABEL[clutch]} [kN/m]"
         panels.append({"title": title, "traces": lines, "shades": shades})
     caption = "Friction coefficient times force per stroke, μ·f"
-    return _figure("friction", view, panels, caption, f"{caption}; {view.title}")
+    return panelled("friction", view, panels, caption, f"{caption}; {view.title}")
 
 
 def _friction_before(view: View, clutch: str, known: dict[str, np.ndarray]) -> list[Json]:
@@ -177,7 +178,7 @@ def track(view: View, partner: View | None = None) -> Json | None:
         runs.append((partner, "opened"))
     panels = [panel for clutch in CLUTCHES for panel in _track_panels(clutch, runs)]
     caption = "Requested and real clutch torque; error while the clutch slips"
-    return _figure("tracking", view, panels, caption, f"{caption}; {view.title}")
+    return panelled("tracking", view, panels, caption, f"{caption}; {view.title}")
 
 
 def _track_panels(clutch: str, runs: list[tuple[View, str]]) -> Iterator[Json]:
