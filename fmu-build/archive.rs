@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 use std::fs;
-use std::io::{Cursor, Write as _};
+use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -35,6 +35,40 @@ fn zipped(mut members: Vec<(String, Vec<u8>)>) -> zip::result::ZipResult<Vec<u8>
         writer.write_all(contents)?;
     }
     Ok(writer.finish()?.into_inner())
+}
+
+/// Largest FMU that is read into memory, unpacked [bytes].
+const LARGEST: u64 = 1 << 30;
+
+/// Reads all files of an archive.
+///
+/// # Errors
+/// When the file cannot be read, is no ZIP archive, or unpacks to more than 1 GiB.
+pub(crate) fn members(path: &Path) -> Result<Vec<(String, Vec<u8>)>> {
+    let io = |source| Error::Io {
+        path: path.into(),
+        source,
+    };
+    let zip = |source| Error::Zip {
+        path: path.into(),
+        source,
+    };
+    let file = fs::File::open(path).map_err(io)?;
+    let mut archive = zip::ZipArchive::new(file).map_err(zip)?;
+    let (mut members, mut room) = (Vec::new(), LARGEST);
+    for index in 0..archive.len() {
+        let member = archive.by_index(index).map_err(zip)?;
+        if member.is_dir() {
+            continue;
+        }
+        let (name, mut bytes) = (member.name().map_err(zip)?.into_owned(), Vec::new());
+        member.take(room + 1).read_to_end(&mut bytes).map_err(io)?;
+        let size = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
+        let rest = room.checked_sub(size);
+        room = rest.ok_or(Error::TooLarge { limit: LARGEST })?;
+        members.push((name, bytes));
+    }
+    Ok(members)
 }
 
 /// Writes a file completely or not at all: to a temporary file beside it, which is then renamed.

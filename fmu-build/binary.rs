@@ -29,9 +29,19 @@ impl Version {
     /// The version of a symbol, e.g. `GLIBC_2.17`; `None` when it is of another library.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let numbers = text.strip_prefix("GLIBC_")?.split('.');
-        let numbers = numbers.map(|number| number.parse().ok());
-        numbers.collect::<Option<_>>().map(Self)
+        text.strip_prefix("GLIBC_")?.parse().ok()
+    }
+}
+
+impl std::str::FromStr for Version {
+    type Err = std::num::ParseIntError;
+
+    /// Reads `2.17`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        text.split('.')
+            .map(str::parse)
+            .collect::<Result<_, _>>()
+            .map(Self)
     }
 }
 

@@ -85,6 +85,13 @@ pub enum Error {
         /// The components with an output of its name.
         components: [&'static str; 2],
     },
+    /// Two FMUs are not of one model, or differ in what they should share.
+    Unlike {
+        /// The member that differs.
+        member: String,
+        /// The FMUs.
+        fmus: [PathBuf; 2],
+    },
     /// `cargo metadata` failed or said what is not understood.
     Metadata {
         /// What it said.
@@ -165,6 +172,15 @@ impl fmt::Display for Error {
             } => write!(
                 f,
                 "{variable}: both {one} and {other} have an output of this name"
+            ),
+            Self::Unlike {
+                member,
+                fmus: [one, other],
+            } => write!(
+                f,
+                "{} and {} differ in {member}: only FMUs of one build of one model can be merged",
+                one.display(),
+                other.display()
             ),
             Self::Metadata { said } => write!(f, "`cargo metadata` failed: {}", said.trim_end()),
             Self::Epoch { value } => write!(

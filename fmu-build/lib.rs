@@ -17,6 +17,7 @@ mod content;
 mod description;
 mod error;
 pub mod library;
+mod merge;
 pub mod models;
 mod page;
 pub mod parameters;
@@ -27,10 +28,12 @@ mod variables_md;
 mod xml;
 
 pub use archive::package;
-pub use check::{Finding, Report, Severity, check};
+pub use check::{Finding, Report, Severity, check, check_for};
 pub use description::describe;
 pub use error::{Error, Result};
+pub use merge::merge;
 
+use library::Target;
 use models::{Entry, MODELS};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -91,18 +94,24 @@ pub fn compare() -> Result<()> {
     }
 }
 
-/// Builds the FMU of a model into folder `out`; returns its path.
+/// Builds the FMU of a model for this machine into folder `out`; returns its path.
 ///
 /// # Errors
 /// When the library cannot be built or the file not be written.
 pub fn build(entry: &Entry, out: &Path) -> Result<PathBuf> {
-    let (platform, extension) = library::platform()?;
+    build_for(entry, &[Target::host()?], out)
+}
+
+/// Builds the FMU of a model for these targets into folder `out`; returns its path.
+///
+/// # Errors
+/// When a library cannot be built or the file not be written.
+pub fn build_for(entry: &Entry, targets: &[Target], out: &Path) -> Result<PathBuf> {
     let mut members = content::members(entry)?;
-    let library = format!("binaries/{platform}/{}.{extension}", entry.name);
-    members.push((library, entry.library()?));
-    let needs = content::dependencies::text(&members).into_bytes();
-    members.push((content::dependencies::MEMBER.into(), needs));
+    for target in targets {
+        members.push((target.member(entry.name), entry.library(target)?));
+    }
     let path = out.join(format!("{}.fmu", entry.name));
-    package(&path, members)?;
+    package(&path, content::with_dependencies(members))?;
     Ok(path)
 }

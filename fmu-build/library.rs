@@ -18,13 +18,87 @@ pub fn workspace() -> &'static Path {
 /// # Errors
 /// On platforms that FMI 2.0 does not name.
 pub fn platform() -> Result<(&'static str, &'static str)> {
-    match (env::consts::OS, env::consts::ARCH) {
-        ("linux", "x86_64") => Ok(("linux64", "so")),
-        ("windows", "x86_64") => Ok(("win64", "dll")),
-        ("macos", _) => Ok(("darwin64", "dylib")),
-        (os, arch) => Err(Error::UnknownPlatform {
-            platform: format!("{os} {arch}"),
+    named(env::consts::ARCH, env::consts::OS)
+}
+
+/// The folder of `binaries/` and the library extension of a machine.
+///
+/// FMI 2.0 names no ARM machines; `aarch64-linux` is FMI 3.0's name, which importers have taken over.
+fn named(architecture: &str, system: &str) -> Result<(&'static str, &'static str)> {
+    match (architecture, system) {
+        ("x86_64", "linux") => Ok(("linux64", "so")),
+        ("aarch64", "linux") => Ok(("aarch64-linux", "so")),
+        ("x86_64", "windows") => Ok(("win64", "dll")),
+        ("x86_64", "macos" | "darwin") => Ok(("darwin64", "dylib")),
+        ("aarch64", "macos" | "darwin") => Ok(("aarch64-darwin", "dylib")),
+        (architecture, system) => Err(Error::UnknownPlatform {
+            platform: format!("{architecture} {system}"),
         }),
+    }
+}
+
+/// What a library is built for: this machine, or a target of rustc.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Target {
+    /// Rust's name, e.g. `x86_64-pc-windows-gnullvm`; `None`: this machine.
+    triple: Option<String>,
+    /// Oldest glibc to run with, e.g. `2.17`: zig links against its symbols.
+    glibc: Option<String>,
+    /// Folder of `binaries/`.
+    pub platform: &'static str,
+    extension: &'static str,
+}
+
+impl Target {
+    /// This machine, linked as its compiler does.
+    ///
+    /// # Errors
+    /// On platforms that FMI 2.0 does not name.
+    pub fn host() -> Result<Self> {
+        let (platform, extension) = platform()?;
+        Ok(Self {
+            triple: None,
+            glibc: None,
+            platform,
+            extension,
+        })
+    }
+
+    /// A target of rustc; `.2.17` behind one for Linux asks for that glibc.
+    ///
+    /// # Errors
+    /// When FMI has no name for it.
+    pub fn parse(text: &str) -> Result<Self> {
+        let (triple, glibc) = match text.split_once('.') {
+            Some((triple, version)) => (triple, Some(version.to_owned())),
+            None => (text, None),
+        };
+        let mut words = triple.split('-');
+        let (architecture, system) = (words.next().unwrap_or_default(), words.nth(1));
+        let (platform, extension) = named(architecture, system.unwrap_or_default())?;
+        Ok(Self {
+            triple: Some(triple.into()),
+            glibc,
+            platform,
+            extension,
+        })
+    }
+
+    /// Name of a library in the FMU.
+    pub(crate) fn member(&self, model: &str) -> String {
+        format!("binaries/{}/{model}.{}", self.platform, self.extension)
+    }
+
+    /// `build`, or `zigbuild` of cargo-zigbuild, with the target.
+    fn words(&self) -> Vec<String> {
+        let Some(triple) = &self.triple else {
+            return vec!["build".into()];
+        };
+        let (verb, target) = match &self.glibc {
+            Some(version) => ("zigbuild", format!("{triple}.{version}")),
+            None => ("build", triple.clone()),
+        };
+        vec![verb.into(), "--target".into(), target]
     }
 }
 
@@ -35,16 +109,15 @@ pub fn platform() -> Result<(&'static str, &'static str)> {
 ///
 /// # Errors
 /// When cargo fails or the package makes no dynamic library.
-pub(crate) fn build(package: &str, folder: &Path) -> Result<Vec<u8>> {
+pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec<u8>> {
     let output = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args([
-            "build",
-            "--release",
-            "--locked",
-            "--message-format=json-render-diagnostics",
-        ])
-        .args(["--package", package])
-        .env("CARGO_ENCODED_RUSTFLAGS", flags(folder).join("\u{1f}"))
+        .args(target.words())
+        .args(["--release", "--locked", "--package", package])
+        .arg("--message-format=json-render-diagnostics")
+        .env(
+            "CARGO_ENCODED_RUSTFLAGS",
+            flags(folder, target).join("\u{1f}"),
+        )
         .current_dir(folder)
         .stderr(Stdio::inherit())
         .output()
@@ -57,18 +130,18 @@ pub(crate) fn build(package: &str, folder: &Path) -> Result<Vec<u8>> {
             package: package.into(),
         });
     }
-    let path =
-        cdylib(&String::from_utf8_lossy(&output.stdout)).ok_or_else(|| Error::NoLibrary {
-            package: package.into(),
-        })?;
+    let messages = String::from_utf8_lossy(&output.stdout);
+    let path = cdylib(&messages, target.extension).ok_or_else(|| Error::NoLibrary {
+        package: package.into(),
+    })?;
     fs::read(&path).map_err(|source| Error::Io { path, source })
 }
 
 /// Compiler flags of FMU libraries.
-fn flags(folder: &Path) -> Vec<String> {
+fn flags(folder: &Path, target: &Target) -> Vec<String> {
     let mut flags = vec![remap(folder, "model"), remap(workspace(), "dct")];
     flags.extend(cargo_home().map(|home| remap(&home, "cargo")));
-    if cfg!(target_os = "linux") {
+    if target.extension == "so" {
         // Name libm where it is used: importers other than Python may not have it loaded.
         flags.push("-Clink-arg=-lm".into());
     }
@@ -88,18 +161,18 @@ fn cargo_home() -> Option<PathBuf> {
 #[derive(Deserialize)]
 struct Message {
     #[serde(default)]
-    target: Target,
+    target: Made,
     #[serde(default)]
     filenames: Vec<PathBuf>,
 }
 
 #[derive(Default, Deserialize)]
-struct Target {
+struct Made {
     #[serde(default)]
     crate_types: Vec<String>,
 }
 
-fn cdylib(messages: &str) -> Option<PathBuf> {
+fn cdylib(messages: &str, extension: &str) -> Option<PathBuf> {
     let messages = messages
         .lines()
         .filter_map(|line| serde_json::from_str::<Message>(line).ok());
@@ -112,7 +185,6 @@ fn cdylib(messages: &str) -> Option<PathBuf> {
                 .any(|kind| kind == "cdylib")
         })
         .flat_map(|message| message.filenames);
-    let extension = env::consts::DLL_EXTENSION;
     files
         .into_iter()
         .find(|file| file.extension().is_some_and(|found| found == extension))
@@ -133,7 +205,30 @@ mod tests {
             ),
             r#"{"reason":"build-finished","success":true}"#.to_owned(),
         ];
-        assert_eq!(cdylib(&messages.join("\n")), Some(PathBuf::from(name)));
-        assert_eq!(cdylib(&messages[0]), None);
+        assert_eq!(
+            cdylib(&messages.join("\n"), env::consts::DLL_EXTENSION),
+            Some(PathBuf::from(name))
+        );
+        assert_eq!(cdylib(&messages[0], env::consts::DLL_EXTENSION), None);
+    }
+
+    #[test]
+    fn targets_have_the_folder_that_fmi_names() {
+        for (text, folder, verb) in [
+            ("x86_64-unknown-linux-gnu.2.17", "linux64", "zigbuild"),
+            (
+                "aarch64-unknown-linux-gnu.2.17",
+                "aarch64-linux",
+                "zigbuild",
+            ),
+            ("x86_64-pc-windows-gnullvm", "win64", "build"),
+            ("aarch64-apple-darwin", "aarch64-darwin", "build"),
+        ] {
+            let target = Target::parse(text).unwrap();
+            assert_eq!(target.platform, folder);
+            assert_eq!(target.words(), [verb, "--target", text]);
+        }
+        let error = Target::parse("riscv64gc-unknown-linux-gnu").unwrap_err();
+        assert!(error.to_string().contains("riscv64gc linux"), "{error}");
     }
 }

@@ -3,6 +3,8 @@
 #![forbid(unsafe_code)]
 
 use clap::{Parser, Subcommand};
+use fmu_build::binary::Version;
+use fmu_build::library::Target;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -16,6 +18,8 @@ use std::process::ExitCode;
   cargo fmu build DctPlant --out /data     one FMU into a folder of your choice
   cargo fmu describe                       after a change in src/models
   cargo fmu describe --check               fail when modelDescription/ is out of date
+  cargo fmu build --target x86_64-unknown-linux-gnu.2.17
+  cargo fmu merge linux.fmu windows.fmu --out both.fmu
   cargo fmu ssp                            the closed loop as one file, for tools that read SSP
   cargo fmu check target/fmu/DctPlant.fmu  what an importer would stumble over"
 )]
@@ -41,6 +45,23 @@ enum Command {
         /// Folder for the FMUs [default: target/fmu of the workspace].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Target of rustc, e.g. x86_64-pc-windows-gnullvm; one for Linux with a glibc behind it,
+        /// x86_64-unknown-linux-gnu.2.17, is linked by cargo-zigbuild. May be repeated: all go into
+        /// one FMU [default: this machine].
+        #[arg(long = "target", value_name = "T")]
+        targets: Vec<String>,
+    },
+    /// Join FMUs of one model for several platforms.
+    #[command(after_help = "Their descriptions must be the same, GUID included.")]
+    Merge {
+        /// The FMU to add to, unless --out names another file.
+        one: PathBuf,
+        /// FMUs whose libraries are added.
+        #[arg(required = true, value_name = "OTHER")]
+        others: Vec<PathBuf>,
+        /// File to write.
+        #[arg(long, value_name = "FMU")]
+        out: Option<PathBuf>,
     },
     /// Write the closed loop of all FMUs, with their connections, as an SSP 1.0 file.
     #[command(after_help = "Takes the FMUs that `cargo fmu build` wrote into the same folder.")]
@@ -55,6 +76,9 @@ enum Command {
         /// FMU files.
         #[arg(required = true, value_name = "FMU")]
         fmus: Vec<PathBuf>,
+        /// Oldest glibc that their Linux libraries shall run with, e.g. 2.17.
+        #[arg(long, value_name = "VERSION")]
+        glibc: Option<Version>,
     },
 }
 
@@ -76,17 +100,38 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
     match command {
         Command::Describe { check: true } => fmu_build::compare()?,
         Command::Describe { check: false } => print_paths(&fmu_build::refresh()?)?,
-        Command::Build { models, out } => build(&models, out)?,
+        Command::Build {
+            models,
+            out,
+            targets,
+        } => build(&models, out, &targets)?,
+        Command::Merge { one, others, out } => {
+            let path = out.unwrap_or_else(|| one.clone());
+            let all: Vec<_> = std::iter::once(one).chain(others).collect();
+            fmu_build::merge(&all, &path)?;
+            print_paths(&[path])?;
+        }
         Command::Ssp { out } => ssp(out)?,
-        Command::Check { fmus } => return check(&fmus),
+        Command::Check { fmus, glibc } => return check(&fmus, glibc.as_ref()),
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn build(models: &[String], out: Option<PathBuf>) -> Result<(), Box<dyn std::error::Error>> {
+fn build(
+    models: &[String],
+    out: Option<PathBuf>,
+    targets: &[String],
+) -> Result<(), Box<dyn std::error::Error>> {
     let out = folder(out);
+    let targets = match targets {
+        [] => vec![Target::host()?],
+        some => some
+            .iter()
+            .map(|t| Target::parse(t))
+            .collect::<Result<_, _>>()?,
+    };
     for entry in fmu_build::models::select(models)? {
-        print_paths(&[fmu_build::build(entry, &out)?])?;
+        print_paths(&[fmu_build::build_for(entry, &targets, &out)?])?;
     }
     Ok(())
 }
@@ -110,11 +155,14 @@ fn print_paths(paths: &[PathBuf]) -> io::Result<()> {
         .try_for_each(|path| writeln!(stdout, "{}", path.display()))
 }
 
-fn check(fmus: &[PathBuf]) -> Result<ExitCode, Box<dyn std::error::Error>> {
+fn check(
+    fmus: &[PathBuf],
+    glibc: Option<&Version>,
+) -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut stdout = io::stdout().lock();
     let mut all_valid = true;
     for fmu in fmus {
-        let report = fmu_build::check(fmu)?;
+        let report = fmu_build::check_for(fmu, glibc)?;
         for finding in &report.findings {
             writeln!(stdout, "{}: {finding}", fmu.display())?;
         }
@@ -154,7 +202,7 @@ mod tests {
             .lines()
             .filter_map(|line| line.trim().strip_prefix("cargo fmu "));
         let examples: Vec<_> = examples.collect();
-        assert_eq!(examples.len(), 6);
+        assert_eq!(examples.len(), 8);
         for example in examples {
             let words = example.split("  ").next().unwrap().split(' ');
             let parsed = Arguments::try_parse_from(std::iter::once("fmu-build").chain(words));

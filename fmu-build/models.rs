@@ -1,5 +1,6 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
+use crate::library::Target;
 use crate::port::{self, Port, Terminal};
 use crate::ssp::Component;
 use crate::{Error, Result, describe, library, page, variables_md};
@@ -66,12 +67,12 @@ impl Entry {
         port::terminals(self.terminals, &(self.ports)())
     }
 
-    /// Builds the library of this platform and returns its bytes.
+    /// Builds its library for a target and returns the bytes.
     ///
     /// # Errors
     /// When cargo fails or the package makes no dynamic library.
-    pub fn library(&self) -> Result<Vec<u8>> {
-        library::build(self.package, self.folder())
+    pub fn library(&self, target: &Target) -> Result<Vec<u8>> {
+        library::build(self.package, self.folder(), target)
     }
 
     /// Folder in which cargo finds the package.

@@ -5,13 +5,14 @@
 //!            └─> binaries/…  ─load─> symbols, life cycle, values ┴─> Report
 //! ```
 
-mod elf;
+mod audit;
 mod native;
 mod parsed;
 mod rules;
 mod run;
 mod unpack;
 
+use crate::binary::Version;
 use crate::{Result, library};
 use parsed::Description;
 use std::path::Path;
@@ -94,6 +95,14 @@ impl fmt::Display for Finding {
 /// # Errors
 /// When the file cannot be opened at all; everything else is a finding.
 pub fn check(path: &Path) -> Result<Report> {
+    check_for(path, None)
+}
+
+/// Like [`check`]; a Linux library that asks for a newer glibc than `glibc` is an error.
+///
+/// # Errors
+/// When the file cannot be opened at all; everything else is a finding.
+pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
     let unpacked = Unpacked::open(path)?;
     let file = unpacked.folder().join("modelDescription.xml");
     let text = fs::read_to_string(&file).map_err(|source| crate::Error::Io {
@@ -106,6 +115,7 @@ pub fn check(path: &Path) -> Result<Report> {
         ..Report::default()
     };
     rules::check(&description, &mut report);
+    audit::check(unpacked.folder(), glibc, &mut report)?;
     check_library(&description, unpacked.folder(), &mut report)?;
     Ok(report)
 }
@@ -127,6 +137,5 @@ fn check_library(description: &Description, folder: &Path, report: &mut Report) 
         );
         return Ok(());
     }
-    elf::check(&path, report)?;
     run::check(&path, folder, description, report)
 }

@@ -1,10 +1,12 @@
 //! What an FMU holds beside its libraries: description, documentation, licences, bill of materials.
 
 mod bom;
-pub(crate) mod date;
-pub(crate) mod dependencies;
+mod date;
+mod dependencies;
 mod licenses;
 mod packages;
+
+pub(crate) use dependencies::MEMBER as DEPENDENCIES;
 
 use crate::Result;
 use crate::models::Entry;
@@ -25,6 +27,14 @@ pub(crate) fn members(entry: &Entry) -> Result<Members> {
     }
     members.extend(licenses::members(entry.name, &linked)?);
     Ok(members)
+}
+
+/// The members with the file about what their libraries need; one they had is replaced.
+pub(crate) fn with_dependencies(mut members: Members) -> Members {
+    members.retain(|(name, _)| name != dependencies::MEMBER);
+    let needs = dependencies::text(&members);
+    members.push(text(dependencies::MEMBER, needs));
+    members
 }
 
 fn text(name: &str, contents: String) -> (String, Vec<u8>) {

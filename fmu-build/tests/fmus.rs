@@ -35,7 +35,10 @@ fn changed(entry: &Entry, folder: &Folder, from: &str, to: &str) -> PathBuf {
     let path = folder.0.join("changed.fmu");
     let members = vec![
         ("modelDescription.xml".to_owned(), text.into_bytes()),
-        (binary, entry.library().unwrap()),
+        (
+            binary,
+            entry.library(&library::Target::host().unwrap()).unwrap(),
+        ),
     ];
     fmu_build::package(&path, members).unwrap();
     path

@@ -1,0 +1,213 @@
+//! The libraries of an FMU, whatever machine they are for: read from their files, not run.
+
+use super::{Report, native};
+use crate::binary::{Binary, Version};
+use crate::{Error, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Libraries that are part of the systems themselves; names of Windows in lower case.
+const SYSTEM: [&str; 16] = [
+    "libc.so.",
+    "libm.so.",
+    "libdl.so.",
+    "libpthread.so.",
+    "librt.so.",
+    "libgcc_s.so.",
+    "ld-linux",
+    "linux-vdso",
+    "kernel32.dll",
+    "ntdll.dll",
+    "msvcrt.dll",
+    "ucrtbase.dll",
+    "api-ms-win-",
+    "advapi32.dll",
+    "/usr/lib/libsystem",
+    "user32.dll",
+];
+
+/// Checks every library in `binaries/` of the unpacked FMU `folder`.
+pub(super) fn check(folder: &Path, glibc: Option<&Version>, report: &mut Report) -> Result<()> {
+    for (platform, path) in libraries(folder)? {
+        let bytes = fs::read(&path).map_err(|source| failed(&path, source))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = format!("binaries/{platform}/{name}");
+        match Binary::read(&bytes) {
+            Some(binary) => judge(&name, &platform, &binary, report),
+            None => report.error("2.3", format!("{name} is no dynamic library, or damaged")),
+        }
+        if let (Some(binary), Some(wanted)) = (Binary::read(&bytes), glibc) {
+            judge_glibc(&name, &binary, wanted, report);
+        }
+        if let Some(path) = source_path(&bytes) {
+            report.remark(
+                "2.3",
+                format!("{name} names {path}, a file of the machine it was built on"),
+            );
+        }
+    }
+    Ok(())
+}
+
+fn failed(path: &Path, source: std::io::Error) -> Error {
+    Error::Io {
+        path: path.into(),
+        source,
+    }
+}
+
+/// The libraries with the folder they are in, sorted; what is no library by its ending is left out.
+fn libraries(folder: &Path) -> Result<Vec<(String, PathBuf)>> {
+    let (mut found, binaries) = (Vec::new(), folder.join("binaries"));
+    if !binaries.is_dir() {
+        return Ok(found);
+    }
+    for platform in entries(&binaries)? {
+        for file in entries(&platform)? {
+            let ending = file.extension().unwrap_or_default();
+            if ["so", "dll", "dylib"].iter().any(|known| ending == *known) {
+                let name = platform.file_name().unwrap_or_default().to_string_lossy();
+                found.push((name.into_owned(), file));
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let read = fs::read_dir(folder).map_err(|source| failed(folder, source))?;
+    read.map(|entry| Ok(entry.map_err(|source| failed(folder, source))?.path()))
+        .collect()
+}
+
+fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
+    if !binary.platforms.contains(&platform) {
+        let right = binary.platforms.first().unwrap_or(&"no platform of FMI");
+        report.error("2.3", format!("{name} is a library for {right}"));
+    }
+    let ours = |name: &str| native::FUNCTIONS.contains(&name);
+    for missing in native::FUNCTIONS
+        .iter()
+        .filter(|f| !binary.exports.iter().any(|e| e == *f))
+    {
+        report.error("2.1.1", format!("{name} does not export {missing}"));
+    }
+    for other in binary.exports.iter().filter(|export| !ours(export)) {
+        let text = format!("{name}: {other} is exported though no importer calls it");
+        report.remark("2.1.1", text);
+    }
+    for library in binary
+        .libraries
+        .iter()
+        .filter(|library| !is_system(library))
+    {
+        let text = format!("{name} needs {library}, which is no part of the operating system");
+        report.remark("2.3", text);
+    }
+    if let Some(path) = &binary.search_path {
+        let text = format!("{name} makes the loader search {path}, a folder of another machine");
+        report.remark("2.3", text);
+    }
+}
+
+fn is_system(library: &str) -> bool {
+    let name = library.to_lowercase();
+    SYSTEM.iter().any(|begin| name.starts_with(begin))
+}
+
+fn judge_glibc(name: &str, binary: &Binary, wanted: &Version, report: &mut Report) {
+    if let Some(found) = binary.glibc.as_ref().filter(|found| *found > wanted) {
+        let text = format!("{name} needs glibc {found}; it shall run with {wanted}");
+        report.error("2.3", text);
+    }
+}
+
+/// The first absolute name of a source file, e.g. of a panic message; `/rustc/` stands for the Rust
+/// standard library on every machine.
+fn source_path(bytes: &[u8]) -> Option<String> {
+    let printable = |byte: &u8| byte.is_ascii_graphic() || *byte == b' ';
+    let texts = bytes
+        .split(|byte| !printable(byte))
+        .filter(|text| text.len() > 8);
+    let mut names = texts.flat_map(|text| text.split(|byte| *byte == b' '));
+    let name = names.find(|name| is_source_path(name))?;
+    Some(String::from_utf8_lossy(name).into_owned())
+}
+
+fn is_source_path(name: &[u8]) -> bool {
+    const HOMES: [&[u8]; 5] = [
+        b"/home/",
+        b"/root/",
+        b"/Users/",
+        b"/builds/",
+        b"C:\\Users\\",
+    ];
+    HOMES.iter().any(|home| name.starts_with(home))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_source_files_are_found_and_those_of_the_standard_library_are_not() {
+        let bytes = b"\0\x01/rustc/59807/library/core/src/num.rs\0/home/me/fmu/lib.rs\0";
+        assert_eq!(source_path(bytes).as_deref(), Some("/home/me/fmu/lib.rs"));
+        assert_eq!(
+            source_path(b"a text about / and /rustc/x.rs, long enough"),
+            None
+        );
+    }
+
+    #[test]
+    fn system_libraries_are_known_on_all_systems() {
+        for name in [
+            "libc.so.6",
+            "KERNEL32.dll",
+            "api-ms-win-core-synch-l1-2-0.dll",
+        ] {
+            assert!(is_system(name), "{name}");
+        }
+        assert!(!is_system("libstdc++.so.6") && !is_system("libcurl.so.4"));
+    }
+
+    #[test]
+    fn a_library_in_the_wrong_folder_is_an_error() {
+        let binary = Binary {
+            platforms: &["win64"],
+            exports: native::FUNCTIONS[1..]
+                .iter()
+                .map(|&name| name.into())
+                .collect(),
+            libraries: vec!["foo.dll".into()],
+            glibc: Version::parse("GLIBC_2.33"),
+            search_path: Some("/opt".into()),
+        };
+        let mut report = Report::default();
+        judge("binaries/linux64/A.so", "linux64", &binary, &mut report);
+        judge_glibc(
+            "A.so",
+            &binary,
+            &Version::parse("GLIBC_2.17").unwrap(),
+            &mut report,
+        );
+        let texts: Vec<_> = report.findings.iter().map(ToString::to_string).collect();
+        for text in [
+            "library for win64",
+            "fmi2GetTypesPlatform",
+            "foo.dll",
+            "/opt",
+            "glibc 2.33",
+        ] {
+            assert!(
+                texts.iter().any(|finding| finding.contains(text)),
+                "{text}: {texts:?}"
+            );
+        }
+        assert_eq!(texts.len(), 5);
+    }
+}
