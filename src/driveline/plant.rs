@@ -142,14 +142,20 @@ impl Plant {
             let level = level(done - piece, TICKS - done).min(cap);
             let rung = propagators.rung(stuck_set(self.modes), level);
             let block = Block::new(p, self, rung, &now, &rate);
-            let (crossing, event) = block.events(p, &propagators.systems, self.modes, self.brake);
+            let systems = &propagators.systems;
+            let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
+            let (crossing, event) = if block.is_quiet(p, rows, self.modes, self.brake) {
+                (Crossing::None, Event::default())
+            } else {
+                block.events(p, systems, self.modes, self.brake)
+            };
             if crossing != Crossing::None && level > 0 && events < MAX_EVENTS {
                 cap = level - 1;
                 continue;
             }
             self.accept(&propagators.systems, rung, &block);
             (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
-            if !event.is_none() && events < MAX_EVENTS {
+            if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
                 }
@@ -175,7 +181,10 @@ impl Plant {
         };
         let v = torques(p, self.modes, input.t_e, input.force, t_v);
         let system = &systems.by_stuck[stuck_set(self.modes)];
-        let t_c = [0, 1].map(|i| system.rows.torque[i].of(x, &v));
+        let t_c = [0, 1].map(|i| match self.modes[i] {
+            Mode::Stuck => system.rows.torque[i].of(x, &v),
+            _ => v[1 + i],
+        });
         let slip = self.slip();
         let [t_d, mut t_t @ .., t_o]: [f64; 4] = (systems.spring_torque * x).into();
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {

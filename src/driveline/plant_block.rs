@@ -4,7 +4,7 @@ use crate::Params;
 use crate::integrate::{Augmented, Motion, Rung};
 use crate::plant::Plant;
 use crate::plant_brake;
-use crate::plant_matrices::{STATES, State, Systems, TORQUES, Torques, W, slip};
+use crate::plant_matrices::{Rows, STATES, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant_ports::{Input, InputRate};
 use crate::shaft::Grade;
@@ -27,6 +27,17 @@ pub(crate) fn torques(
     let friction =
         |i: usize| modes[i].direction() * p.clutch[i].mu_k * force[i] * p.clutch[i].r_c_n;
     Torques::from([t_e, friction(0), friction(1), t_v])
+}
+
+/// z = (x, v, v').
+fn augmented(x: &State, v: &Torques, v_dot: &Torques) -> Augmented {
+    let mut z = Augmented::zeros();
+    let (states, torques) = z.as_mut_slice().split_at_mut(STATES);
+    let (torques, ramps) = torques.split_at_mut(TORQUES);
+    states.copy_from_slice(x.as_slice());
+    torques.copy_from_slice(v.as_slice());
+    ramps.copy_from_slice(v_dot.as_slice());
+    z
 }
 
 /// A stretch of time without events, from z(0) to its end.
@@ -57,11 +68,7 @@ impl Block {
         let (t_v, _) = input.load_torque(p, grade, plant.x[W], direction);
         let v = torques(p, plant.modes, input.t_e, input.force, t_v);
         let v_dot = torques(p, plant.modes, rate.t_e, rate.force, 0.0);
-        let mut z = Augmented::zeros();
-        z.fixed_rows_mut::<STATES>(0).copy_from(&plant.x);
-        z.fixed_rows_mut::<TORQUES>(STATES).copy_from(&v);
-        z.fixed_rows_mut::<TORQUES>(STATES + TORQUES)
-            .copy_from(&v_dot);
+        let mut z = augmented(&plant.x, &v, &v_dot);
         let mut motion = rung.motion(&z);
         let ramp = load_ramp(rung, &z, &motion, |omega_w| {
             input_end.load_torque(p, grade_end, omega_w, direction)
@@ -78,6 +85,43 @@ impl Block {
             rate: *rate,
             grade_end,
         }
+    }
+
+    /// Whether a quick look proves that no guard is crossed; [`Self::events`] looks closely.
+    ///
+    /// A guard whose rate has one sign at both ends does not dip between them.
+    pub(crate) fn is_quiet(&self, p: &Params, rows: &Rows, modes: [Mode; 2], brake: Mode) -> bool {
+        let (x, v) = (State::from_fn(|i, _| self.z[i]), self.torques(0.0));
+        let v_end = self.torques(self.t);
+        brake == Mode::Open
+            && [0, 1].into_iter().all(|i| match modes[i] {
+                Mode::Open => true,
+                Mode::Stuck => {
+                    let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n * self.input.force[i];
+                    let torque = rows.torque[i].of(&self.x_end, &v_end);
+                    let ramp = rows.torque[i].of_torques(&self.torques_rate());
+                    let rate = rows.torque_rate[i].of(&x, &v) + ramp;
+                    let rate_end = rows.torque_rate[i].of(&self.x_end, &v_end) + ramp;
+                    self.rate.force[i] == 0.0 && torque.abs() < reach && rate * rate_end >= 0.0
+                }
+                sliding => {
+                    let direction = sliding.direction();
+                    let rate = |x, v| direction * rows.slip_rate[i].of(x, v);
+                    direction * slip(&self.x_end)[i] >= 0.0
+                        && self.rate.force[i] >= 0.0
+                        && (rate(&x, &v) >= 0.0 || rate(&self.x_end, &v_end) <= 0.0)
+                }
+            })
+    }
+
+    /// v at `t` [s] after the start, shape (4).
+    fn torques(&self, t: f64) -> Torques {
+        let z = &self.z;
+        Torques::from_fn(|q, _| z[STATES + q] + z[STATES + TORQUES + q] * t)
+    }
+
+    fn torques_rate(&self) -> Torques {
+        Torques::from_fn(|q, _| self.z[STATES + TORQUES + q])
     }
 
     /// The worst crossing of any guard in the block, and the events found at its end.
@@ -125,8 +169,7 @@ impl Block {
         t: f64,
     ) -> [[Guard; 2]; 3] {
         let system = &systems.by_stuck[stuck_set(modes)];
-        let v_dot: Torques = self.z.fixed_rows::<TORQUES>(STATES + TORQUES).into_owned();
-        let v: Torques = self.z.fixed_rows::<TORQUES>(STATES) + v_dot * t;
+        let (v_dot, v) = (self.torques_rate(), self.torques(t));
         let x: State = if t > 0.0 {
             self.x_end
         } else {

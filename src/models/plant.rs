@@ -154,11 +154,11 @@ impl Plant {
         self.propagation.make_room();
     }
 
-    fn read_outputs(&mut self) {
-        let input = self.input();
+    /// Outputs with the inputs at the communication point.
+    fn read_outputs(&mut self, input: &driveline::Input) {
         let coupling = self.state.coupling(self.acting);
         let systems = self.propagation.systems(&self.p, coupling);
-        self.y = self.state.outputs(&self.p, systems, &input);
+        self.y = self.state.outputs(&self.p, systems, input);
         self.clutch_state = self.y.state.map(|state| state as i32);
     }
 
@@ -204,7 +204,7 @@ impl Model for Plant {
         let free = self.propagation.of(&self.p, self.acting.into(), step);
         self.state = driveline::Plant::start_with(&self.p, &free.systems, &input, omega_e, v);
         self.find_propagators();
-        self.read_outputs();
+        self.read_outputs(&input);
         Ok(())
     }
 
@@ -227,12 +227,12 @@ impl Model for Plant {
                     ));
                 }
             });
-        self.read_outputs();
+        self.read_outputs(&input);
         self.check_finite(time + step)
     }
 
     fn update_outputs(&mut self) {
-        self.read_outputs();
+        self.read_outputs(&self.input());
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
