@@ -18,6 +18,7 @@ from fmpy import fmi2
 
 from . import values as single
 from .archive import described, unpack
+from .coupling import feedthrough
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
 from .loader import explain
 from .values import group_of
@@ -86,6 +87,10 @@ class Fmu:
         steered = [v for v in self.description.modelVariables if v.causality == "parameter"
                    and v.variability == "tunable" and v.name in names]  # fmt: skip
         self.inputs = sorted([*self.inputs, *steered], key=lambda v: GROUPS.index(group_of(v)))
+
+    def feedthrough(self) -> dict[str, set[str]]:
+        """Return output -> inputs that it depends on at the same instant."""
+        return feedthrough(self.description)
 
     def identity(self) -> dict[str, str]:
         """Return what `run.json` records of the FMU."""
@@ -207,7 +212,10 @@ class Fmu:
     def _fail(self, function: str, status: int) -> None:
         self._stepping = False
         word = STATUS[status] if status < len(STATUS) else str(status)
-        raise self._error(function, f"returned fmi2{word}")
+        what = f"returned fmi2{word}"
+        if word == "Discard" and function == "fmi2DoStep":
+            what += ": it cannot take this step; try a smaller one (system.step, or substeps)"
+        raise self._error(function, what)
 
     def _error(self, function: str, what: str) -> FmuRuntimeError:
         said = "".join(f"\n  {m['category']}: {m['message']}" for m in self.log[-LAST_MESSAGES:])

@@ -57,6 +57,17 @@ class Mapped:
         """Parameters by our names; all of the supplier's by its names."""
         return {**self._fmu.variables, **{n: k.ours for n, k in self._set.items()}}
 
+    def feedthrough(self) -> dict[str, set[str]]:
+        """Return output -> inputs that it depends on at the same instant, by our names."""
+        raw = self._fmu.feedthrough()
+        names = {k.theirs.name: k.ours.name for k in self._in}
+        every = set(names)
+        found = {k.ours.name: {names[n] for n in raw.get(k.theirs.name, every) if n in names}
+                 for k in self._out}  # fmt: skip
+        for entry in self._derived:
+            found[entry.name] = set().union(*(found[source] for source, _ in entry.terms))
+        return found
+
     def steer(self, names: Collection[str]) -> None:
         """Take our names of the supplier's tunable parameters as inputs."""
         more = [k for n, k in self._set.items() if n in names and k.theirs.variability == "tunable"]

@@ -1,4 +1,4 @@
-"""Gauss-Seidel master: plant, observer, control in order, on an integer step counter."""
+"""Master: Gauss-Seidel (plant, observer, control) or Jacobi, on an integer step counter."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from . import scenario as scenarios
 from .connections import check_types, resolve, types
+from .coupling import algebraic_loops, delayed, ranges
 from .errors import FmuRuntimeError, HarnessError
 from .fmu import Fmu
 from .isolated import Limits, load
@@ -20,6 +21,8 @@ from .mapping import Mapping
 from .signals import describe
 from .system import System
 
+SWEEPS = 50  # of the initial values, beyond one per component
+SETTLED = 1e-14  # relative change of an initial value that counts as none
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 
@@ -51,6 +54,7 @@ class Run:
         self.parameters: dict[str, dict[str, dict[str, Any]]] = {}
         self.sources: dict[str, str] = {}
         self.signals: dict[str, dict[str, Any]] = {}
+        self.loops: list[list[str]] = []
         self.times = np.zeros(0)
         self.abort: HarnessError | None = None  # set by a signal or another thread
 
@@ -91,6 +95,8 @@ class Run:
             hold = f"scenario.{signal}" in held
             self.script[:, k] = script.sample(signal, self.times, hold)
         self.names += [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
+        self.loops = algebraic_loops(self.fmus, self.sources)
+        self._jacobi = self.system.coupling == "jacobi"
         self.signals = describe(self.names, self.fmus, self.sources)
         self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
         self.world, self._zeros = np.zeros((2, len(self.names)))
@@ -113,13 +119,32 @@ class Run:
         self._scripted[:] = self.script[0]
         for fmu, _, _ in self.gathers:
             fmu.get_outputs()
-        for _ in self.gathers:
-            self._each(lambda fmu: (fmu.set_inputs(), fmu.get_outputs()))
+        self._settle()
         for name, fmu in self.fmus.items():
             fmu.exit_initialization()
             fmu.get_outputs()
             self.parameters[name] = fmu.parameters()
         self._record(0)
+
+    def _settle(self) -> None:
+        """Pass initial values on until nothing changes, as algebraic loops need it.
+
+        Raises
+        ------
+        FmuRuntimeError
+            They still change after `SWEEPS`.
+        """
+        for sweep in range(len(self.gathers) + SWEEPS):
+            before = self.world.copy()
+            self._each(lambda fmu: (fmu.set_inputs(), fmu.get_outputs()))
+            changing = ~np.isclose(self.world, before, rtol=SETTLED, atol=0, equal_nan=True)
+            if sweep + 1 >= len(self.gathers) and not changing.any():
+                return
+        name = self.names[int(np.argmax(changing))]
+        loops = "; ".join(" -> ".join(loop) for loop in self.loops) or "none declared"
+        raise FmuRuntimeError(
+            f"{name} does not settle at t = 0 s after {SWEEPS} sweeps; algebraic loops: {loops}"
+        )
 
     def _each(self, action: Callable[[Fmu], Any]) -> None:
         for fmu, where, values in self.gathers:
@@ -130,17 +155,29 @@ class Run:
         """Step all components; scenario inputs are those at the start of the step."""
         times = self.times.tolist()
         last = len(times) - 1
+        parts = [self.system.components[name].substeps for name in self.fmus]
+        self._steps = list(zip(self.gathers, parts, strict=True))
         for k in range(last):
             if self.abort is not None:
                 raise self._stopped(self.abort, times[k])
             t = times[k]
             h = times[k + 1] - t
-            for fmu, where, values in self.gathers:
-                self.world.take(where, out=values, mode="clip")
-                fmu.step(t, h)
+            if self._jacobi:
+                self._step_at_once(t, h)
+            else:
+                for (fmu, where, values), parts in self._steps:
+                    self.world.take(where, out=values, mode="clip")
+                    fmu.step(t, h) if parts == 1 else _in_parts(fmu, t, h, parts)
             self._record(k + 1)
             if progress is not None and ((k + 1) % 100 == 0 or k + 1 == last):
                 progress(k + 1, last)
+
+    def _step_at_once(self, t: float, h: float) -> None:
+        """Step all components with the inputs of the beginning of the step."""
+        for (_, where, values), _ in self._steps:
+            self.world.take(where, out=values, mode="clip")
+        for (fmu, _, _), parts in self._steps:
+            fmu.step(t, h) if parts == 1 else _in_parts(fmu, t, h, parts)
 
     @staticmethod
     def _stopped(cause: HarnessError, t: float) -> HarnessError:
@@ -181,7 +218,7 @@ class Run:
 
     def summary(self, error: HarnessError | None) -> dict[str, Any]:
         """Return the content of `run.json`, without the environment."""
-        log = [m for f in self.fmus.values() for m in f.log]
+        log = [m for f in self.fmus.values() for m in f.log] + self._out_of_range()
         return {
             "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
             "samples": len(self.rows),
@@ -189,7 +226,32 @@ class Run:
             "status": "partial" if error else "complete", "error": str(error) if error else None,
             "fmus": self.identities, "parameters": self.parameters, "events": self.events(),
             "signals": self.signals,
+            "coupling": {
+                "order": self.system.coupling, "loops": self.loops,
+                "delayed": delayed(list(self.fmus), self.sources, self.system.coupling),
+            },
             "wiring": [{"from": s, "to": t} for t, s in self.sources.items()],
             "log": sorted(log, key=lambda m: m["time"]),
             "wall_time": {n: f.wall_time for n, f in self.fmus.items()},
         }  # fmt: skip
+
+    def _out_of_range(self) -> list[dict[str, Any]]:
+        """Return a warning for each output that has left its declared min and max."""
+        found = []
+        for name, (low, high) in ranges(self.fmus).items() if len(self.rows) else ():
+            column = self.rows[:, self.names.index(name)]
+            bad = np.flatnonzero((column < low) | (column > high))
+            if bad.size:
+                component, _, variable = name.partition(".")
+                t, value = float(self.times[bad[0]]), float(column[bad[0]])
+                text = (f"{variable} = {value!r} is out of its range [{low:g}, {high:g}], "
+                        f"{bad.size} times from t = {t!r} s on")  # fmt: skip
+                found.append({"component": component, "time": t, "status": "Warning",
+                              "category": "range", "message": text})  # fmt: skip
+        return found
+
+
+def _in_parts(fmu: Fmu | Mapped, t: float, h: float, parts: int) -> None:
+    """Step one component in equal parts with the same inputs."""
+    for k in range(parts):
+        fmu.step(t + k * h / parts, h / parts)

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import formats, junit, kpi, mapping, progress, results, system, watch
-from .arguments import Verbs, add_limits, limits, seconds, verb
+from . import check_step, formats, junit, kpi, mapping, progress, results, system, watch
+from .arguments import Verbs, add_limits, amount, limits, seconds, verb
 from .environment import environment
 from .errors import ConfigError, HarnessError
 from .master import Run
@@ -35,6 +35,8 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
     parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
     parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
+    finer = "repeat at half the step; exit 1 when an output changes by more"
+    parser.add_argument("--check-step", type=amount, metavar="PERCENT", help=finer)
     add_limits(parser)
     parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")
     parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
@@ -66,6 +68,8 @@ def run(args: argparse.Namespace) -> int:
         _report(out, loop.system.title, args)
     if failure:
         raise failure
+    if args.check_step is not None and not check_step.check(loop, out, args):
+        return KPI_FAILS
     return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
 
 
@@ -161,6 +165,7 @@ def _say(
 ) -> None:
     """Print what the chosen loudness shows; errors are printed by the caller."""
     if args.verbose:
+        _say_coupling(record["coupling"])
         for m in record["log"]:
             text = f"{m['time']:.6g} s {m['component']} [{m['category']}] {m['message']}"
             print(text, file=sys.stderr)
@@ -171,6 +176,15 @@ def _say(
             print(kpi.format_table(kpis if args.verbose else _whole(kpis)) + "\n")
         if record["samples"]:
             print(f"{out}: {record['samples']} samples to t = {record['reached']:g} s")
+
+
+def _say_coupling(coupling: dict[str, Any]) -> None:
+    """Name what the coupling costs: signals one step late, and algebraic loops."""
+    print(f"coupling: {coupling['order']}", file=sys.stderr)
+    for wire in coupling["delayed"]:
+        print(f"  one step late: {wire['from']} -> {wire['to']}", file=sys.stderr)
+    for loop in coupling["loops"]:
+        print(f"  algebraic loop: {', '.join(loop)}", file=sys.stderr)
 
 
 def _whole(kpis: dict[str, Any]) -> dict[str, Any]:

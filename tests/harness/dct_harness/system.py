@@ -30,6 +30,7 @@ class Component:
 
     fmu: str
     parameters: dict[str, Value] = field(default_factory=dict)
+    substeps: int = 1  # equal steps of this component in a communication step
 
 
 @dataclass
@@ -45,6 +46,7 @@ class System:
     connections: dict[str, str]
     path: Path
     kpis: list[dict[str, Any]] = field(default_factory=list)
+    coupling: str = "gauss-seidel"
 
     def override(self, text: str) -> None:
         """Apply one `component.variable=value` of the command line."""
@@ -59,12 +61,15 @@ class System:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the effective content, for `run.json`."""
-        parts = {n: {"fmu": c.fmu, "parameters": c.parameters} for n, c in self.components.items()}
+        parts = {
+            n: {"fmu": c.fmu, "parameters": c.parameters, "substeps": c.substeps}
+            for n, c in self.components.items()
+        }
         return {
             "name": self.name, "title": self.title, "step": self.step, "stop": self.stop,
             "file": str(self.path), "scenario": str(self.scenario), "components": parts,
             "connections": [{"from": s, "to": t} for t, s in self.connections.items()],
-            "kpis": self.kpis,
+            "kpis": self.kpis, "coupling": self.coupling,
         }  # fmt: skip
 
 
@@ -87,7 +92,8 @@ def load(path: Path) -> System:
         raise ConfigError(f"{path}: is not valid TOML: {error}") from error
     _validate(path, data)
     head = data["system"]
-    components = {n: Component(c["fmu"], parameters.gather(path, c.get("parameters", {})))
+    components = {n: Component(c["fmu"], parameters.gather(path, c.get("parameters", {})),
+                               c.get("substeps", 1))
                   for n, c in sorted(data["components"].items(), key=_rank)}  # fmt: skip
     targets = [c["to"] for c in data.get("connections", [])]
     for target in targets:
@@ -98,7 +104,7 @@ def load(path: Path) -> System:
         head["name"], head.get("title", head["name"]), float(head["step"]), float(head["stop"]),
         path.parent / head["scenario"], components,
         {c["to"]: c["from"] for c in data.get("connections", [])}, path,
-        data.get("kpis", []),
+        data.get("kpis", []), head.get("coupling", "gauss-seidel"),
     )  # fmt: skip
 
 
