@@ -66,7 +66,19 @@ impl Observer {
     }
 
     fn check_finite(&self, time: f64) -> Result<(), Failure> {
-        if self.y.t_o.is_finite() {
+        let Estimate {
+            t_c,
+            t_o,
+            t_v,
+            innovation,
+            t_o_deviation,
+            ..
+        } = self.y;
+        let outputs = t_c.iter().chain(&innovation);
+        if outputs
+            .chain(&[t_o, t_v, t_o_deviation])
+            .all(|y| y.is_finite())
+        {
             Ok(())
         } else {
             Err(Failure::Diverged {

@@ -8,12 +8,14 @@
 //!           └──> method: correct, adapt, predict <────────┘──> Estimate
 //! ```
 //!
-//! One file per method: [`paper`], [`lyapunov`], [`energy`]; [`select`] chooses one at run time. A method
+//! One file per method: [`paper`], [`lyapunov`], [`energy`], [`kalman`]; [`select`] chooses one at run time. A method
 //! is a function of (parameters, state, sample): no clock, no log, no allocation.
 
 pub mod adaptive;
 pub mod energy;
+mod filter;
 pub mod friction;
+pub mod kalman;
 pub mod lever;
 pub mod load;
 pub mod lock;
@@ -26,6 +28,7 @@ pub mod select;
 pub mod speeds;
 
 pub use energy::Energy;
+pub use kalman::Kalman;
 pub use load::LoadMethod;
 pub use lyapunov::Lyapunov;
 pub use monitor::Fault;
@@ -90,6 +93,8 @@ pub struct Settings {
     pub lyapunov: lyapunov::Gains,
     /// Gains of `energy`, as for 1 kHz.
     pub energy: energy::Gains,
+    /// Noises that `kalman` believes in.
+    pub kalman: kalman::Gains,
     /// Gains follow the communication step.
     pub scheduled: bool,
     /// (29) acts; without it the observer keeps the friction it has.
@@ -104,6 +109,7 @@ impl Settings {
         gains: Gains::AT_1_KHZ,
         lyapunov: lyapunov::Gains::AT_1_KHZ,
         energy: energy::Gains::AT_1_KHZ,
+        kalman: kalman::Gains::DEFAULT,
         scheduled: true,
         adapts: true,
     };

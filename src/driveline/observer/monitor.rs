@@ -167,7 +167,9 @@ impl Monitor {
             moved(0, SPEEDS) > TORQUE_MOVED
                 || (0..2).any(|i| engaged[i] && moved(0, 1 + i) > ENGINE_MOVED)
         };
-        (0..SPEEDS).any(|j| {
+        // A brake holds the wheel at exactly 0 while the shafts before it wind up.
+        let held = sample.omega_w == 0.0 && sample.t_brake > 0.0;
+        (0..SPEEDS - usize::from(held)).any(|j| {
             let moves = if j == 0 { engine() } else { partners(j) };
             self.still[j] >= PATIENCE && moves
         })

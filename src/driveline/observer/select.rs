@@ -1,7 +1,9 @@
 //! The method that is chosen at run time.
 
 use crate::Params;
-use crate::observer::{Energy, Estimate, Lyapunov, Observer, Paper, Sample, Settings, Visit};
+use crate::observer::{
+    Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit,
+};
 
 /// Methods of estimation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -13,11 +15,13 @@ pub enum Method {
     Lyapunov = 2,
     /// Physical energy as Lyapunov function, on the three measured speeds.
     Energy = 3,
+    /// Kalman filter with torques as random walks.
+    Kalman = 4,
 }
 
 impl Method {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 3] = [Self::Paper, Self::Lyapunov, Self::Energy];
+    pub const ALL: [Self; 4] = [Self::Paper, Self::Lyapunov, Self::Energy, Self::Kalman];
 }
 
 /// An observer of any method: the states of all of them side by side, so it needs no allocation and
@@ -29,6 +33,7 @@ pub struct Selected {
     paper: Paper,
     lyapunov: Lyapunov,
     energy: Energy,
+    kalman: Kalman,
 }
 
 impl Selected {
@@ -45,6 +50,7 @@ impl Selected {
             Method::Paper => &mut self.paper,
             Method::Lyapunov => &mut self.lyapunov,
             Method::Energy => &mut self.energy,
+            Method::Kalman => &mut self.kalman,
         }
     }
 }
@@ -63,5 +69,6 @@ impl Observer for Selected {
         self.paper.visit(visit);
         self.lyapunov.visit(visit);
         self.energy.visit(visit);
+        self.kalman.visit(visit);
     }
 }

@@ -59,6 +59,8 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
     check(Method::Lyapunov, &drive, 0.0, [12.0, 15.0, 3.5]);
     check(Method::Energy, &drive, 0.0, [6.5, 6.5, 3.0]);
     check(Method::Energy, &drive, NOISE, [7.0, 7.0, 4.0]);
+    check(Method::Kalman, &drive, 0.0, [3.0, 3.0, 1.5]);
+    check(Method::Kalman, &drive, NOISE, [5.0, 5.0, 1.5]);
 }
 
 #[test]
@@ -67,6 +69,7 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_100_hz() {
     check(Method::Paper, &drive, 0.0, [14.0, 15.0, 7.0]);
     check(Method::Lyapunov, &drive, 0.0, [14.0, 15.0, 7.0]);
     check(Method::Energy, &drive, 0.0, [7.0, 8.0, 4.0]);
+    check(Method::Kalman, &drive, 0.0, [4.0, 4.0, 2.0]);
 }
 
 /// Whatever was driven, the last second is followed: no method diverges, not even from the shock of a

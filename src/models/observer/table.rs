@@ -68,6 +68,11 @@ static OBSERVER_METHOD: Enumeration = Enumeration {
             value: Method::Energy as i32,
             description: "Physical energy as Lyapunov function, on three measured speeds",
         },
+        Item {
+            name: "kalman",
+            value: Method::Kalman as i32,
+            description: "Kalman filter with torques as random walks; needs no load method",
+        },
     ],
 };
 

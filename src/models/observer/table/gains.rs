@@ -16,7 +16,7 @@ const fn gain(
 }
 
 /// All of them: `paper` without a prefix, the others under their names.
-pub(super) const GAINS: [Variable<Observer>; 14] = [
+pub(super) const GAINS: [Variable<Observer>; 19] = [
     gain(
         "gain.L11",
         U::PER_SECOND,
@@ -103,7 +103,40 @@ pub(super) const GAINS: [Variable<Observer>; 14] = [
         |m| &mut m.settings.energy.l_c,
         "L of both clutches in N.m/rad, before it is normalised, energy",
     ),
+    gain(
+        "gain.kalman.clutch",
+        U::ONE,
+        |m| &mut m.settings.kalman.q_t,
+        "q_T: intensity of the clutch torques in (N.m)2/s, kalman",
+    ),
+    gain(
+        "gain.kalman.load",
+        U::ONE,
+        |m| &mut m.settings.kalman.q_v,
+        "q_v: intensity of the load torque in (N.m)2/s, kalman",
+    ),
+    gain(
+        "gain.kalman.speed",
+        U::ONE,
+        |m| &mut m.settings.kalman.q_w,
+        "q_w: intensity of the speeds in (rad/s)2/s, kalman",
+    ),
+    gain(
+        "gain.kalman.shaft",
+        U::ONE,
+        |m| &mut m.settings.kalman.q_s,
+        "q_s: intensity of the drive shaft's spring torque in (N.m)2/s, kalman",
+    ),
+    gain(
+        "gain.kalman.sensor",
+        U::RADIAN_PER_SECOND,
+        |m| &mut m.settings.kalman.sigma,
+        "Standard deviation of a measured speed, kalman",
+    )
+    .min(SENSOR),
 ];
 
 /// Smallest weight of a Lyapunov function.
 const WEIGHT: f64 = 1e-9;
+/// Smallest deviation of a measured speed [rad/s]: without any a filter divides by zero.
+const SENSOR: f64 = 1e-4;
