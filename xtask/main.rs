@@ -1,4 +1,4 @@
-//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | ci`.
+//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | docs | ci`.
 //!
 //! ```text
 //! main (arguments) ──> demo, test, bench: lists of steps ──> plan (runs them, says [3/9] …)
@@ -32,6 +32,7 @@ commands:
   bench [--quick]
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing
+  docs           the docs site into target/docs
   ci             demo, then test: what a change must pass
 
 set-up (done by every command, kept between runs):
@@ -73,6 +74,7 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["test"] => plan::run(test::steps(&project)),
         ["bench"] => plan::run(bench::steps(&project, &[])),
         ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
+        ["docs"] => plan::run(docs(&project)),
         ["ci"] => plan::run(ci(&project)),
         [] | ["help" | "--help" | "-h"] | [_, "--help" | "-h"] => {
             print!("{HELP}");
@@ -80,6 +82,17 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         }
         _ => Err(Failure::Usage(format!("no command `{}`", words.join(" ")))),
     }
+}
+
+/// The site of docs/, whose reference pages come from the code.
+fn docs(project: &Project) -> Vec<Step> {
+    let build = ["-m", "mkdocs", "build", "--strict", "-f", "docs/mkdocs.yml"];
+    let mut command = project.venv("python", &build);
+    command.env("NO_MKDOCS_2_WARNING", "1"); // an advertisement of the theme
+    vec![
+        project.python_packages(),
+        Step::commands("docs into target/docs", vec![command]),
+    ]
 }
 
 /// Demo first: what closes the output are the test runners' own summary lines.

@@ -1,0 +1,80 @@
+"""The docs site: it builds without a warning, asks nobody for anything, and its commands work."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from dct_harness import cli
+from dct_harness.kpi import KPIS
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = ROOT / "docs" / "pages"
+BLOCK = re.compile(r"^```sh\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FOREIGN = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="https?://([^"/]+)')
+
+
+def environment() -> dict[str, str]:
+    """Return an environment in which this Python's programs come first."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    return {**os.environ, "PATH": path, "NO_MKDOCS_2_WARNING": "1"}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the site; a warning is an error."""
+    out = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", "docs/mkdocs.yml", "-d", out],
+        cwd=ROOT, env=environment(), capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return out
+
+
+def test_every_page_is_built_and_loads_nothing_foreign(site: Path) -> None:
+    built = {p.relative_to(site).with_suffix(".md") for p in site.rglob("*.html")}
+    assert {p.relative_to(PAGES) for p in PAGES.rglob("*.md")} < built
+    for page in site.rglob("*.html"):
+        assert FOREIGN.findall(page.read_text(encoding="utf-8")) == [], page
+
+
+def test_generated_pages_hold_every_verb_kpi_and_table(site: Path) -> None:
+    def page(name: str) -> str:
+        return (site / name).read_text(encoding="utf-8")
+
+    verbs = [module.__name__.rpartition(".")[2] for module in cli.VERBS]
+    assert len(verbs) > 5
+    assert page("reference/cli.html").count("usage: dct-harness") == len(verbs) + 1
+    assert all(f"<code>{k.key}</code>" in page("reference/kpis.html") for k in KPIS)
+    assert "driveShaft.torque" in page("reference/variables.html")
+    assert "Deviation" in page("paper.html") or "deviation" in page("paper.html")
+
+
+@pytest.mark.parametrize("name", sorted(
+    str(p.relative_to(PAGES)) for p in PAGES.rglob("*.md") if BLOCK.search(p.read_text("utf-8"))
+))  # fmt: skip
+def test_commands_of_a_page_work_in_their_order(name: str) -> None:
+    commands = "".join(BLOCK.findall((PAGES / name).read_text(encoding="utf-8")))
+    done = subprocess.run(
+        ["bash", "-euc", commands], cwd=ROOT, env=environment(), capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_every_example_of_the_help_names_verbs_and_options_that_exist(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    examples = []
+    for module in cli.VERBS:
+        with pytest.raises(SystemExit):
+            cli.main([module.__name__.rpartition(".")[2].removesuffix("_verb"), "--help"])
+        examples += re.findall(r"^  dct-harness (.*)$", capsys.readouterr().out, re.MULTILINE)
+    assert len(examples) >= 2 * len(cli.VERBS) - 4
+    for example in examples:
+        cli.parser().parse_args([word.strip("'") for word in example.split()])
