@@ -25,7 +25,7 @@ use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant_block::{Block, torques};
 use crate::plant_brake::drive_shaft_torque;
 use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
-use crate::plant_modes::{Crossing, Event, Load, Mode, project, resolve, stuck_set};
+use crate::plant_modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
 use crate::shaft::Grade;
 
@@ -261,6 +261,9 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
+        if event.is_none() && self.stands(input, rate) {
+            return;
+        }
         if event.reached != [false; 2] {
             let reached = event.reached.map(usize::from);
             project(
@@ -281,6 +284,16 @@ impl Plant {
         );
         self.modes = resolve(systems, &self.x, &load, self.modes, event);
         project(systems, stuck_set(self.modes), &mut self.x);
+    }
+
+    /// Whether both clutches are open or slip for certain, so that no other modes can come.
+    fn stands(&self, input: &Input, rate: &InputRate) -> bool {
+        let slip = slip(&self.x);
+        [0, 1].into_iter().all(|i| match self.modes[i] {
+            Mode::Open => input.force[i] <= 0.0 && rate.force[i] <= 0.0,
+            Mode::Stuck => false,
+            sliding => input.force[i] > 0.0 && sliding.direction() * slip[i] > ZERO_SLIP,
+        })
     }
 
     /// Moves to the end of a block and books its work.

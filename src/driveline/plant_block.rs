@@ -91,7 +91,7 @@ impl Block {
     ///
     /// A guard whose rate has one sign at both ends does not dip between them.
     pub(crate) fn is_quiet(&self, p: &Params, rows: &Rows, modes: [Mode; 2], brake: Mode) -> bool {
-        let (x, v) = (State::from_fn(|i, _| self.z[i]), self.torques(0.0));
+        let (x, v) = (self.start(), self.torques(0.0));
         let v_end = self.torques(self.t);
         brake == Mode::Open
             && [0, 1].into_iter().all(|i| match modes[i] {
@@ -114,14 +114,21 @@ impl Block {
             })
     }
 
+    /// x(0).
+    fn start(&self) -> State {
+        let z = &self.z.data.0[0];
+        State::from(core::array::from_fn::<f64, STATES, _>(|i| z[i]))
+    }
+
     /// v at `t` [s] after the start, shape (4).
     fn torques(&self, t: f64) -> Torques {
-        let z = &self.z;
-        Torques::from_fn(|q, _| z[STATES + q] + z[STATES + TORQUES + q] * t)
+        let z = &self.z.data.0[0];
+        Torques::from([0, 1, 2, 3].map(|q| z[STATES + q] + z[STATES + TORQUES + q] * t))
     }
 
     fn torques_rate(&self) -> Torques {
-        Torques::from_fn(|q, _| self.z[STATES + TORQUES + q])
+        let z = &self.z.data.0[0];
+        Torques::from([0, 1, 2, 3].map(|q| z[STATES + TORQUES + q]))
     }
 
     /// The worst crossing of any guard in the block, and the events found at its end.
@@ -170,11 +177,7 @@ impl Block {
     ) -> [[Guard; 2]; 3] {
         let system = &systems.by_stuck[stuck_set(modes)];
         let (v_dot, v) = (self.torques_rate(), self.torques(t));
-        let x: State = if t > 0.0 {
-            self.x_end
-        } else {
-            self.z.fixed_rows::<STATES>(0).into_owned()
-        };
+        let x: State = if t > 0.0 { self.x_end } else { self.start() };
         let rows = &system.rows;
         let mut guards = [[Guard {
             value: 0.0,

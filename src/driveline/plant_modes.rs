@@ -8,7 +8,7 @@ use crate::Params;
 use crate::plant_matrices::{State, System, Systems, Torques, slip};
 
 /// Slip below which two shafts turn together [rad/s]: round-off of a step of constrained motion.
-const ZERO_SLIP: f64 = 1e-10;
+pub(crate) const ZERO_SLIP: f64 = 1e-10;
 /// Round-off of a capacity [1].
 pub(crate) const CAPACITY_MARGIN: f64 = 1e-12;
 /// Round-off of a guard that starts at zero: slip [rad/s] and torque [N·m].

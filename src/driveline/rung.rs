@@ -42,7 +42,8 @@ pub struct Motion([f64; ROWS]);
 impl Motion {
     /// x(t).
     pub fn end(&self, z: &Augmented) -> State {
-        State::from_fn(|i, _| z[i] + self.0[i])
+        let z = entries(z);
+        State::from(core::array::from_fn::<f64, STATES, _>(|i| z[i] + self.0[i]))
     }
 
     /// ω_w(t) [rad/s].
@@ -52,9 +53,11 @@ impl Motion {
 
     /// Work of T_e, T_c1, T_c2, T_v on ω_e, slip 1, slip 2, ω_w [J], shape (4).
     pub fn work(&self, z: &Augmented) -> Torques {
-        Torques::from_fn(|q, _| {
-            z[STATES + q] * self.0[ANGLE + q] + z[RAMP + q] * self.0[MOMENT + q]
-        })
+        let z = entries(z);
+        Torques::from(
+            [0, 1, 2, 3]
+                .map(|q| z[STATES + q] * self.0[ANGLE + q] + z[RAMP + q] * self.0[MOMENT + q]),
+        )
     }
 }
 
@@ -80,7 +83,7 @@ impl Rung {
     /// Motion from z; entries that are zero cost nothing.
     pub fn motion(&self, z: &Augmented) -> Motion {
         let mut rows = [0.0; ROWS];
-        for (column, &z) in self.columns.iter().zip(z.iter()) {
+        for (column, &z) in self.columns.iter().zip(entries(z)) {
             if z != 0.0 {
                 add(&mut rows, column, z);
             }
@@ -100,17 +103,22 @@ impl Rung {
 
     /// Energy lost in the dampers from z [J].
     pub fn viscous_loss(&self, z: &Augmented) -> f64 {
-        let mut sum = 0.0;
+        let (mut sum, z) = (0.0, entries(z));
         let mut rest = &self.viscous[..];
-        for j in 0..AUGMENTED {
+        for (j, entry) in z.iter().enumerate() {
             let (column, next) = rest.split_at(j + 1);
             rest = next;
-            if z[j] != 0.0 {
-                sum += z[j] * dot(column, z.as_slice());
+            if *entry != 0.0 {
+                sum += entry * dot(column, z);
             }
         }
         sum
     }
+}
+
+/// The entries of z, whose number the compiler knows.
+const fn entries(z: &Augmented) -> &[f64; AUGMENTED] {
+    &z.data.0[0]
 }
 
 /// `sum` + `scale` · `column`; inlined, so that a chain of these keeps the sum in registers.
