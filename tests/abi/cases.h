@@ -1,0 +1,14 @@
+/* A case is a function; main.c lists them by name. */
+#ifndef ABI_CASES_H
+#define ABI_CASES_H
+
+#include "fmu.h"
+
+typedef void Case(Fmu *fmu, const char *argument);
+
+/* life.c */
+Case every_function, without_logger, cycles, loads, threads, small_stack, untouched, save, resume;
+/* misuse.c */
+Case freed, foreign, called_back, shared, extremes, corrupted, importers, panics, messages;
+
+#endif

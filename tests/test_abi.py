@@ -1,0 +1,143 @@
+"""A C importer (`tests/abi`) against each FMU's library: one case per process.
+
+A crash, a hang or a word on stdout or stderr is a failed case.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import zipfile
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import fmpy
+import pytest
+from importer_cases import MODELS, fmu
+
+ROOT = Path(__file__).resolve().parent.parent
+ABI = ROOT / "tests" / "abi"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+BUILT = ROOT / "target" / "abi"
+PROBE = "Probe"
+TIMEOUT = 300  # s, for cases that take at most some 10
+
+# Cycles in CI: by hand, 1,000,000 of the probe take 3 s and 100,000 of the plant some 20 s.
+CYCLES = {PROBE: 1_000_000, "DctPlant": 10_000, "DctObserver": 10_000, "DctClutchControl": 100_000}
+LOADS = {PROBE: 5000, "DctPlant": 500, "DctObserver": 500, "DctClutchControl": 500}
+CASES = ("every_function", "without_logger", "threads", "untouched", "freed", "foreign",
+         "called_back", "shared", "extremes", "corrupted", "importers")  # fmt: skip
+# Stack of the calling thread [KiB]. The plant builds its propagators on it, some 300 KiB.
+STACK = {PROBE: 32, "DctPlant": 384, "DctObserver": 32, "DctClutchControl": 32}
+# Under valgrind: those that free, refuse and copy.
+CHECKED = ("every_function", "freed", "foreign", "called_back", "corrupted", "importers")
+
+every_library = pytest.mark.parametrize("model", [PROBE, *MODELS])
+
+
+class Library(NamedTuple):
+    """A library, its GUID, an input with a legal value, an output, a fixed parameter."""
+
+    path: Path
+    guid: str
+    input: str
+    references: tuple[int, int, int]
+    value: float
+
+
+# Input, output, fixed parameter, legal value of the input [its unit].
+VARIABLES = {
+    "DctPlant": ("engine.torque", "engine.speed", "engine.inertia", 60.0),
+    "DctObserver": ("engine.torque", "innovation.x1", "engine.inertia", 60.0),
+    "DctClutchControl": ("clutch1.torqueRequest", "clutch1.position", "clutch1.rateLimit", 40.0),
+}
+
+
+@cache
+def _library(model: str) -> Library:
+    return _probe() if model == PROBE else _unpacked(model)
+
+
+def _unpacked(model: str) -> Library:
+    member = f"binaries/linux64/{model}.so"
+    with zipfile.ZipFile(fmu(model)) as archive:
+        path = Path(archive.extract(member, BUILT))
+    description = fmpy.read_model_description(str(fmu(model)))
+    known = {v.name: v.valueReference for v in description.modelVariables}
+    *names, value = VARIABLES[model]
+    return Library(path, description.guid, names[0], tuple(known[name] for name in names), value)
+
+
+def _probe() -> Library:
+    build = ["cargo", "build", "--quiet", "--release", "-p", "abi-probe", "--lib", "--examples"]
+    subprocess.run(build, cwd=ROOT, check=True)
+    folder = ROOT / "target" / "release"
+    said = subprocess.run([folder / "examples" / "guid"], capture_output=True, check=True)
+    path = folder / "libabi_probe.so"
+    return Library(path, said.stdout.decode().strip(), "u", (0, 1, 2), 3.0)
+
+
+@cache
+def _host() -> Path:
+    """Return the C importer, compiled."""
+    BUILT.mkdir(parents=True, exist_ok=True)
+    program = BUILT / "abi"
+    flags = ["-std=gnu11", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", "-O1", "-g", "-pthread"]
+    sources = sorted(ABI.glob("*.c"))
+    command = ["cc", *flags, f"-I{HEADERS}", *sources, "-o", program, "-ldl", "-lm"]
+    subprocess.run(command, check=True)
+    return program
+
+
+def _run(model: str, *words: str | Path, under: tuple[str, ...] = ()) -> None:
+    library = _library(model)
+    names = [str(word) for word in (*library.references, library.value, *words)]
+    command = [*under, _host(), library.path, library.guid, *names]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@every_library
+@pytest.mark.parametrize("case", CASES)
+def test_c_importer(model: str, case: str) -> None:
+    _run(model, case)
+
+
+@every_library
+def test_log_messages_are_finished_sentences(model: str) -> None:
+    _run(model, "messages", _library(model).input)
+
+
+@every_library
+def test_little_stack_is_enough(model: str) -> None:
+    _run(model, "small_stack", str(STACK[model]))
+
+
+def test_a_panic_is_fatal_and_silent() -> None:
+    _run(PROBE, "panics")
+
+
+@every_library
+def test_lives_leave_nothing_behind(model: str) -> None:
+    _run(model, "cycles", str(CYCLES[model]))
+
+
+@every_library
+def test_loading_and_unloading_leaves_nothing_behind(model: str) -> None:
+    _run(model, "loads", str(LOADS[model]))
+
+
+@every_library
+def test_a_saved_state_resumes_in_another_process_on_a_bare_instance(
+    model: str, tmp_path: Path
+) -> None:
+    _run(model, "save", tmp_path / "state")
+    _run(model, "resume", tmp_path / "state")
+
+
+@every_library
+@pytest.mark.parametrize("case", CHECKED)
+def test_valgrind_finds_nothing(model: str, case: str) -> None:
+    memcheck = ("valgrind", "--quiet", "--error-exitcode=9", "--leak-check=full",
+                "--errors-for-leak-kinds=definite,indirect")  # fmt: skip
+    _run(model, case, under=memcheck)
