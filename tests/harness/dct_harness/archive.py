@@ -43,12 +43,20 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
             _check(path, archive.infolist())
             yield archive
     except OSError as error:
-        raise ConfigError(f"{path}: cannot read the FMU: {error.strerror or error}") from error
+        raise ConfigError(
+            f"{path}: cannot read the {_kind(path)}: {error.strerror or error}"
+        ) from error
     except zipfile.BadZipFile as error:
         damage = "" if "not a zip" in str(error) else f": {error}"
-        raise FmuInvalidError(f"{path}: is not an FMU (not a ZIP archive){damage}") from error
+        raise FmuInvalidError(
+            f"{path}: is not an {_kind(path)} (not a ZIP archive){damage}"
+        ) from error
     except (zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise FmuInvalidError(f"{path}: the archive cannot be unpacked: {error}") from error
+
+
+def _kind(path: Path) -> str:
+    return "SSP file" if path.suffix.lower() == ".ssp" else "FMU"
 
 
 def unpack(path: Path) -> Path:
@@ -56,7 +64,7 @@ def unpack(path: Path) -> Path:
     with opened(path) as archive:
         directory = Path(tempfile.mkdtemp(prefix="dct-harness-"))
         try:
-            _extract(path, archive, directory)
+            extract(path, archive, directory)
         except BaseException:
             shutil.rmtree(directory, ignore_errors=True)
             raise
@@ -78,7 +86,7 @@ def parsed(path: Path, text: bytes) -> Any:
 
     `path` is named in errors.
     """
-    _refuse_doctype(path, text)
+    refuse_doctype(path, text, DESCRIPTION)
     alone = io.BytesIO()
     with zipfile.ZipFile(alone, "w") as archive:
         archive.writestr(DESCRIPTION, text)
@@ -94,18 +102,18 @@ def parsed(path: Path, text: bytes) -> Any:
     return description
 
 
-def _refuse_doctype(path: Path, text: bytes) -> None:
+def refuse_doctype(path: Path, text: bytes, name: str) -> None:
     """Refuse a document type: entities expand without end or read other files."""
 
     def refuse(*_: Any) -> None:
-        raise FmuInvalidError(f"{path}: {DESCRIPTION}: declares a document type (entities)")
+        raise FmuInvalidError(f"{path}: {name}: declares a document type (entities)")
 
     parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = refuse
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise FmuInvalidError(f"{path}: {DESCRIPTION}: {error}") from error
+        raise FmuInvalidError(f"{path}: {name}: {error}") from error
 
 
 def _check(path: Path, members: list[zipfile.ZipInfo]) -> None:
@@ -149,7 +157,7 @@ def _fault(member: zipfile.ZipInfo) -> str:
     return ""
 
 
-def _extract(path: Path, archive: zipfile.ZipFile, directory: Path) -> None:
+def extract(path: Path, archive: zipfile.ZipFile, directory: Path) -> None:
     """Write all members; no more bytes than their headers told."""
     for member in archive.infolist():
         target = directory / member.filename

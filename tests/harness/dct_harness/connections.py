@@ -33,7 +33,7 @@ def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[st
         component = target.partition(".")[0]
         if target in system.connections:
             found[target] = system.connections[target]
-        elif variable not in system.components[component].parameters:
+        elif not system.explicit and variable not in system.components[component].parameters:
             found[target] = _source(system, component, variable, outputs, known)
     return found
 
@@ -75,11 +75,16 @@ def check_types(
         component, _, name = source.partition(".")
         if component == "scenario":
             _check_column(script, name, target, typed[target])
-        elif typed[source] != typed[target]:
+        elif typed[source] != typed[target] and not _converted(system, target):
             raise ConfigError(
                 f"{system.path}: '{source}' is {typed[source]} but '{target}' is {typed[target]}; "
                 "choose another source with a [[connections]] entry"
             )
+
+
+def _converted(system: System, target: str) -> bool:
+    """Return whether a table says what each value of the source stands for."""
+    return target in system.transforms and bool(system.transforms[target].table)
 
 
 def _check_column(script: Scenario, name: str, target: str, kind: str) -> None:

@@ -20,6 +20,7 @@ from .mapped import Mapped, apply_shared
 from .mapping import Mapping
 from .signals import describe
 from .system import System
+from .transforms import Conversion
 
 SWEEPS = 50  # of the initial values, beyond one per component
 SETTLED = 1e-14  # relative change of an initial value that counts as none
@@ -56,6 +57,7 @@ class Run:
         self.signals: dict[str, dict[str, Any]] = {}
         self.loops: list[list[str]] = []
         self.times = np.zeros(0)
+        self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
@@ -107,6 +109,7 @@ class Run:
         """Start all FMUs and propagate initial values until every chain has been followed."""
         index = {name: k for k, name in enumerate(self.names)}
         self.gathers: list[tuple[Fmu, np.ndarray, np.ndarray]] = []
+        self._conversions: list[Conversion] = []
         first = self.script.shape[1]
         for name, fmu in self.fmus.items():
             fmu.inputs = [v for v in fmu.inputs if f"{name}.{v.name}" in self.sources]
@@ -116,6 +119,8 @@ class Run:
             fmu.bind(values, self.world[first : first + len(fmu.outputs)])
             first += len(fmu.outputs)
             self.gathers.append((fmu, np.array(where, dtype=np.intp), values))
+            names = [v.name for v in fmu.inputs]
+            self._conversions.append(Conversion(name, names, self.system.transforms))
         self._scripted[:] = self.script[0]
         for fmu, _, _ in self.gathers:
             fmu.get_outputs()
@@ -147,8 +152,9 @@ class Run:
         )
 
     def _each(self, action: Callable[[Fmu], Any]) -> None:
-        for fmu, where, values in self.gathers:
+        for (fmu, where, values), convert in zip(self.gathers, self._conversions, strict=True):
             np.take(self.world, where, out=values)
+            convert(values)
             action(fmu)
 
     def _loop(self, progress: Callable[[int, int], None] | None) -> None:
@@ -156,7 +162,8 @@ class Run:
         times = self.times.tolist()
         last = len(times) - 1
         parts = [self.system.components[name].substeps for name in self.fmus]
-        self._steps = list(zip(self.gathers, parts, strict=True))
+        needed = [c if c.needed else None for c in self._conversions]
+        self._steps = list(zip(self.gathers, parts, needed, strict=True))
         for k in range(last):
             if self.abort is not None:
                 raise self._stopped(self.abort, times[k])
@@ -165,8 +172,10 @@ class Run:
             if self._jacobi:
                 self._step_at_once(t, h)
             else:
-                for (fmu, where, values), parts in self._steps:
+                for (fmu, where, values), parts, convert in self._steps:
                     self.world.take(where, out=values, mode="clip")
+                    if convert is not None:
+                        convert(values)
                     fmu.step(t, h) if parts == 1 else _in_parts(fmu, t, h, parts)
             self._record(k + 1)
             if progress is not None and ((k + 1) % 100 == 0 or k + 1 == last):
@@ -174,9 +183,11 @@ class Run:
 
     def _step_at_once(self, t: float, h: float) -> None:
         """Step all components with the inputs of the beginning of the step."""
-        for (_, where, values), _ in self._steps:
+        for (_, where, values), _, convert in self._steps:
             self.world.take(where, out=values, mode="clip")
-        for (fmu, _, _), parts in self._steps:
+            if convert is not None:
+                convert(values)
+        for (fmu, _, _), parts, _ in self._steps:
             fmu.step(t, h) if parts == 1 else _in_parts(fmu, t, h, parts)
 
     @staticmethod
@@ -187,6 +198,8 @@ class Run:
         """Remove the unpacked FMUs, for a process that ends without `execute` returning."""
         for fmu in self.fmus.values():
             fmu.remove_directory()
+        if self.package is not None:
+            self.package.folder.cleanup()
 
     def _record(self, k: int) -> None:
         """Bring the scenario to communication point `k` and keep all signals."""

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import check_step, formats, junit, kpi, mapping, progress, results, system, watch
+from . import check_step, formats, junit, kpi, mapping, progress, results, ssp, system, watch
 from .arguments import Verbs, add_limits, amount, limits, seconds, verb
 from .environment import environment
 from .errors import ConfigError, HarnessError
@@ -27,7 +27,9 @@ run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES)
-    parser.add_argument("system", type=Path, help="system file (.toml)")
+    parser.add_argument("system", type=Path, help="system file (.toml or .ssp)")
+    parser.add_argument("--step", type=seconds, metavar="SECONDS", help="communication step")
+    parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of the run")
     parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
     parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
@@ -58,6 +60,15 @@ def run(args: argparse.Namespace) -> int:
         The run did not reach its end; the samples until then are written.
     """
     loop, out = _prepare(args)
+    try:
+        return _run(loop, out, args)
+    finally:
+        if loop.package is not None:
+            loop.package.folder.cleanup()
+
+
+def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
+    """Run, judge, write and print."""
     failure = _execute(loop, out, args)
     record = save(loop, out, failure, args.format)
     kpis = None if failure else _judge(loop, record, out)
@@ -76,10 +87,7 @@ def run(args: argparse.Namespace) -> int:
 def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     """Return the run that the command line asks for, and its result directory."""
     formats.require(Path(f"results.{args.format}"))
-    model = system.load(args.system)
-    if args.scenario:
-        model.scenario = args.scenario
-    paths = {n: args.fmu_dir / c.fmu for n, c in model.components.items()}
+    model, paths, package = _model(args)
     if args.plant:
         if "plant" not in paths:
             raise ConfigError(f"--plant: {args.system} has no component 'plant'")
@@ -87,7 +95,21 @@ def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     names = _mapping(args, model)
     for text in args.set:
         model.override(text)
-    return Run(model, paths, names, limits(args)), args.out or Path("target/results") / model.name
+    loop = Run(model, paths, names, limits(args))
+    loop.package = package
+    return loop, args.out or Path("target/results") / model.name
+
+
+def _model(args: argparse.Namespace) -> tuple[system.System, dict[str, Path], ssp.Package | None]:
+    """Return the system, where its FMUs are, and the opened .ssp that holds them."""
+    if args.system.suffix.lower() == ".ssp":
+        package = ssp.Package(args.system)
+        model = package.system(args.scenario, args.step, args.stop)
+        return model, dict(package.paths), package
+    model = system.load(args.system)
+    model.scenario = args.scenario or model.scenario
+    model.step, model.stop = args.step or model.step, args.stop or model.stop
+    return model, {n: args.fmu_dir / c.fmu for n, c in model.components.items()}, None
 
 
 def _mapping(args: argparse.Namespace, model: system.System) -> mapping.Mapping | None:

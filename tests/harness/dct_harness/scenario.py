@@ -32,8 +32,10 @@ class Scenario:
         return values[np.clip(row, 0, len(values) - 1)]
 
 
-def load(path: Path) -> Scenario:
+def load(path: Path | None) -> Scenario:
     """Read a scenario; errors name file, line and column."""
+    if path is None:
+        return Scenario(np.zeros(1), {}, Path("no scenario"))
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = [(k, row) for k, row in enumerate(csv.reader(file), 1) if row]

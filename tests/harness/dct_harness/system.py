@@ -14,6 +14,7 @@ import jsonschema
 from . import parameters
 from .errors import ConfigError, did_you_mean
 from .kpi.registry import BY_KEY
+from .transforms import Transform
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -41,12 +42,14 @@ class System:
     title: str
     step: float
     stop: float
-    scenario: Path
+    scenario: Path | None
     components: dict[str, Component]
     connections: dict[str, str]
     path: Path
     kpis: list[dict[str, Any]] = field(default_factory=list)
     coupling: str = "gauss-seidel"
+    explicit: bool = False  # no connections by equal names; other inputs keep their start values
+    transforms: dict[str, Transform] = field(default_factory=dict)  # by input
 
     def override(self, text: str) -> None:
         """Apply one `component.variable=value` of the command line."""
@@ -67,7 +70,7 @@ class System:
         }
         return {
             "name": self.name, "title": self.title, "step": self.step, "stop": self.stop,
-            "file": str(self.path), "scenario": str(self.scenario), "components": parts,
+            "file": str(self.path), "scenario": str(self.scenario or ""), "components": parts,
             "connections": [{"from": s, "to": t} for t, s in self.connections.items()],
             "kpis": self.kpis, "coupling": self.coupling,
         }  # fmt: skip

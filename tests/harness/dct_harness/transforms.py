@@ -1,0 +1,50 @@
+"""What a connection does to a value on its way: unit, linear transformation, table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .errors import FmuRuntimeError
+
+
+@dataclass(frozen=True)
+class Transform:
+    """target = factor * source + offset, or `table`: source -> target."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+    table: dict[float, float] = field(default_factory=dict)
+
+    def after(self, a: float, b: float) -> Transform:
+        """Return the transform of a * source + b."""
+        return Transform(self.factor * a, self.factor * b + self.offset, self.table)
+
+    @property
+    def changes(self) -> bool:
+        """Whether it does anything."""
+        return bool(self.table) or (self.factor, self.offset) != (1.0, 0.0)
+
+
+class Conversion:
+    """Applies the transforms of one component's inputs in place."""
+
+    def __init__(self, component: str, names: list[str], by_target: dict[str, Transform]) -> None:
+        found = [by_target.get(f"{component}.{n}", Transform()) for n in names]
+        self._factor = np.array([t.factor for t in found])
+        self._offset = np.array([t.offset for t in found])
+        self._tables = [(k, f"{component}.{names[k]}", t.table)
+                        for k, t in enumerate(found) if t.table]  # fmt: skip
+        self.needed = any(t.changes for t in found)
+
+    def __call__(self, values: np.ndarray) -> None:
+        """Convert the inputs; raises FmuRuntimeError where a table has no row."""
+        for k, name, table in self._tables:
+            if float(values[k]) not in table:
+                raise FmuRuntimeError(f"{name}: {values[k]:g} is in no row of its mapping")
+        codes = [(k, table[float(values[k])]) for k, _, table in self._tables]
+        values *= self._factor
+        values += self._offset
+        for k, code in codes:
+            values[k] = code
