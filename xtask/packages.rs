@@ -2,9 +2,14 @@
 
 use crate::plan::{Failure, Step, line};
 use crate::setup::Project;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// The crates that a model of one's own needs, and the models of this workspace.
 const PUBLISHABLE: [&str; 4] = ["fmi2-cosim", "dct-driveline", "dct-models", "fmu-build"];
+
+/// Where they are built.
+const TARGET: &str = "target/publish";
 
 /// Packs the crates, unpacks them elsewhere and builds them there.
 pub fn step(project: &Project) -> Step {
@@ -16,7 +21,9 @@ pub fn step(project: &Project) -> Step {
 
 /// cargo has no switch that turns its warnings into errors, so they are looked for.
 fn pack(project: &Project) -> Result<(), Failure> {
+    forget_earlier_packages()?;
     let mut command = project.cargo(&["package", "--allow-dirty", "--offline"]);
+    command.args(["--target-dir", TARGET]);
     command.args(PUBLISHABLE.iter().flat_map(|name| ["--package", name]));
     let what = match command.output() {
         Err(error) => format!("cargo could not be started ({error})"),
@@ -32,6 +39,40 @@ fn pack(project: &Project) -> Result<(), Failure> {
         line: line(&command),
         what,
     })
+}
+
+/// Removes what an earlier run packed, unpacked and built: cargo takes a package of one name and
+/// version for unchangeable, and would build the sources of then.
+fn forget_earlier_packages() -> Result<(), Failure> {
+    remove(Path::new(TARGET))?;
+    let sources = cargo_home().map(|home| home.join("registry/src"));
+    let registries = sources.and_then(|path| fs::read_dir(path).ok());
+    for registry in registries.into_iter().flatten().flatten() {
+        if registry.file_name().to_string_lossy().starts_with('-') {
+            for name in PUBLISHABLE {
+                let folder = format!("{name}-{}", env!("CARGO_PKG_VERSION"));
+                remove(&registry.path().join(folder))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Where cargo keeps sources; those of registries without a host, like the one that packages are
+/// verified from, in folders whose names begin with a dash.
+fn cargo_home() -> Option<PathBuf> {
+    let set = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    set.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")))
+}
+
+fn remove(folder: &Path) -> Result<(), Failure> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Failure::File {
+            path: folder.to_path_buf(),
+            error,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// All that cargo said when it failed, else its first warning.
