@@ -8,6 +8,7 @@ import sys
 from . import (
     check_verb,
     compare_verb,
+    completion_verb,
     convert_verb,
     doctor_verb,
     identify_verb,
@@ -16,9 +17,10 @@ from . import (
     run_verb,
 )
 from .errors import HarnessError, InterruptedRunError
+from .suggesting import Parser
 
 VERBS = (run_verb, check_verb, map_verb, report_verb, compare_verb, convert_verb, identify_verb,
-         doctor_verb)  # fmt: skip
+         doctor_verb, completion_verb)  # fmt: skip
 EXIT_CODES = """exit codes:
   0 pass, 1 KPI or regression fails, 2 usage or configuration, 3 FMU invalid,
   4 FMU failed at run time, 5 timeout, 6 no binary for this platform,
@@ -31,7 +33,7 @@ EXIT_CODES = """exit codes:
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     style = argparse.RawDescriptionHelpFormatter
-    found = argparse.ArgumentParser(
+    found = Parser(
         "dct-harness", formatter_class=style, epilog=EXIT_CODES,
         description="Closed loops of FMI 2.0 co-simulation FMUs: run, judge, report.",
     )  # fmt: skip
