@@ -7,6 +7,7 @@ pub mod control;
 pub mod coupling;
 pub mod identify;
 pub mod integrate;
+pub mod jerk;
 pub mod observer;
 pub mod params;
 pub mod plant;

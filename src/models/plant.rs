@@ -11,9 +11,10 @@ mod table;
 use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
+use dct_driveline::jerk::JerkFilter;
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
-use dct_driveline::plant_matrices::Systems;
+use dct_driveline::plant_matrices::{Systems, W};
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use propagation::{OneStep, Propagation};
 
@@ -41,6 +42,8 @@ pub struct Plant {
     p: Params,
     engine_speed_start: f64,
     vehicle_speed_start: f64,
+    /// τ of the jerk's filter [s].
+    jerk_time: f64,
     u: Inputs,
     /// Time derivatives of the inputs.
     u_rate: Inputs,
@@ -52,6 +55,9 @@ pub struct Plant {
     refused: [i32; 2],
     state: driveline::Plant,
     y: Output,
+    jerk_filter: JerkFilter,
+    /// dV/dt through the filter [m/s²], and jerk [m/s³].
+    comfort: [f64; 2],
     /// Clutch states 1, 2, 3.
     clutch_state: [i32; 2],
     propagation: Propagation,
@@ -64,6 +70,7 @@ impl Default for Plant {
             p: Params::TABLE_1,
             engine_speed_start: 0.0,
             vehicle_speed_start: 0.0,
+            jerk_time: 0.016,
             u: Inputs::default(),
             u_rate: Inputs::default(),
             gear,
@@ -71,6 +78,8 @@ impl Default for Plant {
             refused: gear,
             state: driveline::Plant::AT_REST,
             y,
+            jerk_filter: JerkFilter::at(0.0),
+            comfort: [0.0; 2],
             clutch_state: y.state.map(|state| state as i32),
             propagation: Propagation::default(),
         }
@@ -146,6 +155,11 @@ impl Plant {
         }
     }
 
+    /// V [m/s].
+    fn speed(&self) -> f64 {
+        self.p.road.r_w * self.state.x[W]
+    }
+
     /// Gets hold of the propagators of the usual step, and of room for others.
     fn find_propagators(&mut self) {
         let coupling = self.state.coupling(self.acting);
@@ -160,12 +174,16 @@ impl Plant {
         let systems = self.propagation.systems(&self.p, coupling);
         self.y = self.state.outputs(&self.p, systems, input);
         self.clutch_state = self.y.state.map(|state| state as i32);
+        self.comfort = [
+            self.jerk_filter.acceleration(self.jerk_time),
+            self.jerk_filter.jerk(self.y.vehicle_speed, self.jerk_time),
+        ];
     }
 
     /// Refuses to go on with what is no number: every output is a polynomial of these sums' terms.
     fn check_finite(&self, time: f64) -> Result<(), Failure> {
         let torques = self.y.t_c[0] + self.y.t_c[1] + self.y.t_v;
-        if (self.state.x.sum() + torques + self.y.energy_residual).is_finite() {
+        if (self.state.x.sum() + torques + self.comfort[1] + self.y.energy_residual).is_finite() {
             return Ok(());
         }
         let variables = [
@@ -204,6 +222,7 @@ impl Model for Plant {
         let free = self.propagation.of(&self.p, self.acting.into(), step);
         self.state = driveline::Plant::start_with(&self.p, &free.systems, &input, omega_e, v);
         self.find_propagators();
+        self.jerk_filter = JerkFilter::at(v);
         self.read_outputs(&input);
         Ok(())
     }
@@ -213,6 +232,7 @@ impl Model for Plant {
         self.change_gears(time, log);
         let input = self.input();
         let rate = self.rate(&input, step);
+        let speed = self.speed();
         let mut ladders = OneStep {
             propagation: &mut self.propagation,
             step,
@@ -227,6 +247,8 @@ impl Model for Plant {
                     ));
                 }
             });
+        self.jerk_filter
+            .advance(speed, self.speed(), step, self.jerk_time);
         self.read_outputs(&input);
         self.check_finite(time + step)
     }
@@ -255,6 +277,7 @@ impl Model for Plant {
             fields.real(value);
         }
         fields.real(&mut self.state.stored_at_start);
+        fields.reals(&mut self.jerk_filter.state);
     }
 
     fn restored(&mut self) {

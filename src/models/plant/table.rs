@@ -59,6 +59,8 @@ const ACTUATORS: &[&str] = &[
 ];
 /// What the load depends on at a communication point.
 const LOAD: &[&str] = &[ports::BRAKE_TORQUE, ports::ROAD_GRADE];
+/// Jerk.
+const METRE_PER_SECOND_CUBED: U = U::new("m/s3", [0, 1, -3, 0, 0, 0, 0, 0], &[]);
 /// States only.
 const STATES: &[&str] = &[];
 
@@ -120,7 +122,7 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Plant>; 3] {
     ]
 }
 
-const SPEEDS: [Variable<Plant>; 7] = [
+const SPEEDS: [Variable<Plant>; 9] = [
     Variable::output(
         ports::ENGINE_SPEED,
         U::RADIAN_PER_SECOND,
@@ -163,6 +165,20 @@ const SPEEDS: [Variable<Plant>; 7] = [
         "dV/dt",
     )
     .depends_on(LOAD),
+    Variable::output(
+        "vehicle.filteredAcceleration",
+        U::METRE_PER_SECOND_SQUARED,
+        |m: &mut Plant| &mut m.comfort[0],
+        "dV/dt through 1/(1 + tau s)^2, tau = vehicle.jerkTime",
+    )
+    .depends_on(STATES),
+    Variable::output(
+        "vehicle.jerk",
+        METRE_PER_SECOND_CUBED,
+        |m: &mut Plant| &mut m.comfort[1],
+        "Jerk: derivative of the filtered acceleration, (V - 2 V1 + V2)/tau^2",
+    )
+    .depends_on(STATES),
     Variable::boolean_output(
         "wheel.held",
         |m: &mut Plant| &mut m.y.held,
@@ -286,7 +302,14 @@ const fn clutch_parameters<const I: usize>() -> [Variable<Plant>; 2] {
     ]
 }
 
-const START: [Variable<Plant>; 2] = [
+const START: [Variable<Plant>; 3] = [
+    Variable::parameter(
+        "vehicle.jerkTime",
+        U::SECOND,
+        |m: &mut Plant| &mut m.jerk_time,
+        "tau of the two low-passes of filtered acceleration and jerk; 0.016 s is 10 Hz",
+    )
+    .min(1e-4),
     Variable::parameter(
         "engine.speed_start",
         U::RADIAN_PER_SECOND,

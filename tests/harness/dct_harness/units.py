@@ -57,7 +57,7 @@ _LIST = (
     _speed("deg/s", math.pi / 180),
     _unit("m/s", m=1, s=-1), _unit("km/h", 1e3 / HOUR, m=1, s=-1),
     _unit("kph", 1e3 / HOUR, m=1, s=-1), _unit("kmph", 1e3 / HOUR, m=1, s=-1),
-    _unit("m/s2", m=1, s=-2), _unit("m/s^2", m=1, s=-2),
+    _unit("m/s2", m=1, s=-2), _unit("m/s^2", m=1, s=-2), _unit("m/s3", m=1, s=-3),
     _unit("kg", kg=1), _unit("t", 1e3, kg=1), _unit("kg.m2", kg=1, m=2),
     _unit("N", kg=1, m=1, s=-2), _unit("kN", 1e3, kg=1, m=1, s=-2),
     _torque("N.m"), _torque("Nm"), _torque("N*m"), _torque("kN.m", 1e3), _torque("kNm", 1e3),
