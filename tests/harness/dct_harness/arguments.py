@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
+from typing import Any, TypeAlias
 
 from .isolated import Limits
 
 Action = Callable[[argparse.Namespace], int]
-Verbs = argparse._SubParsersAction
+Verbs: TypeAlias = "argparse._SubParsersAction[Any]"
 
 
 def verb(

@@ -32,7 +32,7 @@ def _with_files(parser: argparse.ArgumentParser, files: object) -> argparse.Argu
     """Mark every argument that is a path, so that the shell completes file names there."""
     for action in parser._actions:
         if getattr(action.type, "__name__", "") == "Path":
-            action.complete = files
+            vars(action)["complete"] = files
         if isinstance(action, argparse._SubParsersAction):
             for verb in action.choices.values():
                 _with_files(verb, files)

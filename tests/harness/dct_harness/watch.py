@@ -12,7 +12,7 @@ from typing import Any
 from .errors import InterruptedRunError, RunTimeoutError
 from .master import Run
 
-SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
+SIGNALS: dict[int, str] = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
 GRACE = 2.0  # s; a call into an FMU that takes longer than this past the limit hangs
 
 
@@ -31,7 +31,7 @@ def interruptible(run: Run) -> Iterator[None]:
         signal.signal(number, previous[number])
         run.abort = InterruptedRunError(f"interrupted by {SIGNALS[number]}")
 
-    previous = {number: signal.signal(number, handle) for number in SIGNALS}
+    previous: dict[int, Any] = {number: signal.signal(number, handle) for number in SIGNALS}
     try:
         yield
     finally:

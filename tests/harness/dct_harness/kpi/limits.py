@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from . import registry
 from .scopes import SCENARIO
 
-RELATIONS = {
+RELATIONS: dict[str, tuple[str, Callable[[float, float], bool]]] = {
     "max": ("<=", lambda value, limit: value <= limit),
     "min": (">=", lambda value, limit: value >= limit),
 }

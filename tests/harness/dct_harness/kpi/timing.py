@@ -65,8 +65,9 @@ def events(results: Results) -> list[tuple[int, str]]:
     found = []
     for clutch in CLUTCHES:
         state = clutch_state(results, clutch)
-        changes = np.flatnonzero(np.diff(state)) + 1 if state is not None else ()
-        found += [(int(k), f"{clutch} {STATES.get(int(state[k]), '?')}") for k in changes]
+        if state is not None:
+            changes = np.flatnonzero(np.diff(state)) + 1
+            found += [(int(k), f"{clutch} {STATES.get(int(state[k]), '?')}") for k in changes]
     return sorted(found)
 
 
@@ -77,13 +78,14 @@ def _settling(
     """Yield the settling time after each event, and the longest of them."""
     inside = np.abs(estimate - truth) <= registry.SETTLED * rms(truth)
     ends = [*(k for k, _ in moments), len(time) - 1][1:]
-    found = []
+    found: list[float | None] = []
     for count, ((k, name), end) in enumerate(zip(moments, ends, strict=True), 1):
         if time[end] - time[k] >= registry.DWELL:
             found.append(settling(time[k:end], inside[k:end]))
             yield Row(registry.SETTLING, torque, f"event/{count} {name}", found[-1], OBSERVER)
     if found:
-        longest = None if None in found else max(found)
+        known = [value for value in found if value is not None]
+        longest = max(known) if len(known) == len(found) else None
         yield Row(registry.SETTLING, torque, SCENARIO, longest, OBSERVER)
 
 

@@ -103,7 +103,7 @@ def _of_csv(path: Path) -> list[Channel]:
     if names[0][0].lower() not in TIMES:
         raise ConfigError(f"{path}: the first column must be the time, not '{names[0][0]}'")
     decimal_comma = delimiter != ","
-    columns = [[] for _ in names]
+    columns: list[list[float]] = [[] for _ in names]
     for line, row in enumerate(rows[1:], 2):
         if len(row) != len(names):
             raise ConfigError(f"{path}: row {line} has {len(row)} cells, the header {len(names)}")

@@ -6,7 +6,7 @@ fixture is used, so it costs other test suites nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..stepper import Stepper
     from .loops import Loop
 
-REPORTS = pytest.StashKey[dict[str, pytest.TestReport]]()
+REPORTS = pytest.StashKey[dict[str, Any]]()
 OPTIONS = {
     "dct_fmu_dir": ("target/fmu", "directory of the FMUs"),
     "dct_plant": ("DctPlant.fmu", "FMU of fixture plant, in the FMU directory or a path"),
@@ -63,7 +63,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item) -> Iterator[Any]:
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, Any]:
     """Keep the outcome where fixtures see it when they are torn down."""
     report = yield
     item.stash.setdefault(REPORTS, {})[report.when] = report

@@ -87,7 +87,7 @@ def _words(name: str, value: Any) -> list[str]:
     return ["--set", f"{name.replace('__', '.')}={text}"]
 
 
-def outside(run: Any, reference: Any, globs: list[str], bounds: dict[str, float]) -> str:
+def outside(run: Any, reference: Any, globs: list[str], bounds: dict[str, Any]) -> str:
     """Return a table of the signals that leave their tolerance; an empty string for none.
 
     Raises

@@ -60,8 +60,8 @@ def _edge(
     backward = b <= a
     pitch, half = BOX[0] + GAP, BOX[1] // 2
     if b == a + 1:
-        x0, x1 = 20 + a * pitch + BOX[0], 20 + b * pitch
-        path, label = f"M{x0},{MIDDLE} H{x1 - 7}", ((x0 + x1) / 2, MIDDLE - 10)
+        x0, x1 = 20.0 + a * pitch + BOX[0], 20.0 + b * pitch
+        path, label = f"M{x0:g},{MIDDLE} H{x1 - 7:g}", ((x0 + x1) / 2, MIDDLE - 10.0)
     else:
         side = 1 if backward else -1
         shift = 0.28 * BOX[0] * (1 if a < b else -1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ def _lines(view: View, *wanted: tuple[str, str, str, float]) -> list[Json]:
     for signal, role, name, factor in wanted:
         if signal in view.results:
             found.append(trace(view, view.results[signal] * factor, role, name))
-            found += _before(view, signal, role, name, lambda v, f=factor: v * f)
+            found += _before(view, signal, role, name, partial(np.multiply, factor))
     return found
 
 
@@ -106,7 +107,7 @@ def driveline(view: View) -> Json | None:
         *((f"plant.{c}.speed", c, LABEL[c], RPM) for c in CLUTCHES),
         ("plant.wheel.speed", "wheel", "wheel", RPM),
     )  # fmt: skip
-    panels = [
+    panels: list[Json] = [
         {"title": "position [mm]", "traces": positions},
         {"title": "speed [rpm]", "traces": speeds, "weight": 1.4},
         _ribbons(view),
@@ -165,7 +166,9 @@ def _friction_before(view: View, clutch: str, known: dict[str, np.ndarray]) -> l
     if view.earlier is None:
         return []
     values = coefficients(view.earlier.results, clutch).get("observer")
-    if values is None or np.array_equal(values, known.get("observer"), equal_nan=True):
+    now = known.get("observer")
+    same = values is not None and now is not None and np.array_equal(values, now, equal_nan=True)
+    if values is None or same:
         return []
     made = trace(view.earlier, values * KILO, "observer", "adapted μ·f, earlier")
     return [{**made, "before": True}]

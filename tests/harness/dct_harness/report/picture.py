@@ -20,7 +20,7 @@ PANELS = {
     "clutch1.torque": "$T_{c1}$ [N·m]", "clutch2.torque": "$T_{c2}$ [N·m]",
     "driveShaft.torque": "$T_o$ [N·m]",
 }  # fmt: skip
-SETTINGS = {
+SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "dct-harness", "svg.fonttype": "path", "font.size": 9,
     "axes.spines.top": False, "axes.spines.right": False,
 }  # fmt: skip

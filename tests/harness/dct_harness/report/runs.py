@@ -126,7 +126,7 @@ def tags(views: list[View], paired: list[Pair]) -> dict[str, str]:
     return found
 
 
-def overall(views: list[View], paired: list[Pair]) -> tuple[str, list[tuple[View, dict]]]:
+def overall(views: list[View], paired: list[Pair]) -> tuple[str, list[tuple[View, dict[str, Any]]]]:
     """Return the verdict over all runs, and every limit with the run it judges."""
     judged = [(v, limit) for v in views for limit in v.kpis["limits"]]
     judged += [(p.closed, limit) for p in paired for limit in p.limits]

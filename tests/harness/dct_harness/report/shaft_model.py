@@ -86,7 +86,7 @@ def _figure(view: View, truth: np.ndarray, found: dict[str, np.ndarray]) -> Json
     lines = [figures.trace(view, truth, "truth", "plant")]
     lines += [figures.trace(view, found[role], role, name) for role, name in names.items()]
     errors = [figures.trace(view, found[r] - truth, r, n) for r, n in names.items()]
-    panels = [
+    panels: list[Json] = [
         {"title": figures.TORQUE_TITLES["driveShaft.torque"], "traces": lines, "weight": 1.4},
         {"title": "error [N·m]", "traces": errors},
     ]
