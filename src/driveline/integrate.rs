@@ -79,10 +79,15 @@ impl Propagators {
     /// Same arguments as [`Self::new`].
     pub fn rebuild(&mut self, p: &Params, coupling: impl Into<Coupling>, h: f64) {
         self.h = h;
-        self.systems = Systems::new(p, coupling);
+        self.connect(p, coupling.into());
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
             fill_ladder(rungs, &self.systems, set, self.h);
         }
+    }
+
+    #[inline(never)] // its stack is free again when the rungs need theirs
+    fn connect(&mut self, p: &Params, coupling: Coupling) {
+        self.systems = Systems::new(p, coupling);
     }
 
     /// Whether they serve a step of `h` [s] with this coupling; within 1e-9 relative they do.
@@ -115,7 +120,7 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
     for (level, place) in rungs.iter_mut().enumerate() {
         let doublings = if level == 0 { 0 } else { DOUBLINGS };
         (0..doublings).for_each(|_| rung.double(active(set)));
-        *place = rung.rung();
+        rung.finish(place);
     }
 }
 

@@ -153,6 +153,7 @@ pub(crate) struct Builder {
 
 impl Builder {
     /// A rung of a span [s] with ‖A t‖ ≤ 0.05, by series; losses by Gauss' rule of order 6.
+    #[inline(never)] // its stack is free again when the doublings need theirs
     pub(crate) fn base(system: &System, viscous: &SMatrix<f64, STATES, STATES>, t: f64) -> Self {
         let mut new = Self {
             t,
@@ -210,13 +211,9 @@ impl Builder {
         self.t = 2.0 * old.t;
     }
 
-    /// The finished rung.
-    pub(crate) fn rung(&self) -> Rung {
-        let mut rung = Rung {
-            t: self.t,
-            columns: self.columns,
-            viscous: [0.0; TRIANGLE],
-        };
+    /// Writes the finished rung to its place.
+    pub(crate) fn finish(&self, rung: &mut Rung) {
+        (rung.t, rung.columns) = (self.t, self.columns);
         let mut rest = &mut rung.viscous[..];
         for (j, column) in self.loss.iter().enumerate() {
             let (place, next) = rest.split_at_mut(j + 1);
@@ -225,7 +222,6 @@ impl Builder {
             }
             rest = next;
         }
-        rung
     }
 }
 

@@ -144,15 +144,20 @@ impl Plant {
         }
         self.refused = self.gear;
         if granted != self.acting {
-            let [from, to] =
-                [self.acting, granted].map(|gear| Systems::new(&self.p, self.state.coupling(gear)));
-            self.state.change_gear(&self.p, &from, &to);
+            self.take_gears(granted);
             log.event(format_args!(
                 "t = {time} s: gears {:?} become {granted:?}",
                 self.acting
             ));
             self.acting = granted;
         }
+    }
+
+    #[inline(never)] // other steps need not have stack for its matrices
+    fn take_gears(&mut self, granted: [i32; 2]) {
+        let [from, to] =
+            [self.acting, granted].map(|gear| Systems::new(&self.p, self.state.coupling(gear)));
+        self.state.change_gear(&self.p, &from, &to);
     }
 
     /// V [m/s].
