@@ -24,7 +24,7 @@ use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::{Speeds, output_speed};
-use crate::observer::{Estimate, Observer, Sample, Settings, Visit, common_estimate};
+use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake, common_estimate};
 use nalgebra::{SMatrix, SVector};
 
 const N: usize = 7;
@@ -295,9 +295,4 @@ impl Kalman {
         };
         said.with_friction_terms(p, settings, sample)
     }
-}
-
-/// T_b: brake torque that is measured, against the motion [N·m].
-fn brake(p: &Params, sample: &Sample) -> f64 {
-    sample.t_brake * p.road.direction(sample.omega_w)
 }

@@ -8,10 +8,11 @@
 //!           └──> method: correct, adapt, predict <────────┘──> Estimate
 //! ```
 //!
-//! One file per method: [`paper`], [`lyapunov`], [`energy`], [`kalman`]; [`select`] chooses one at run time. A method
+//! One file per method: [`paper`], [`lyapunov`], [`energy`], [`kalman`], [`calibrating`]; [`select`] chooses one at run time. A method
 //! is a function of (parameters, state, sample): no clock, no log, no allocation.
 
 pub mod adaptive;
+pub mod calibrating;
 pub mod energy;
 mod filter;
 pub mod friction;
@@ -27,6 +28,7 @@ mod schedule;
 pub mod select;
 pub mod speeds;
 
+pub use calibrating::{Calibrating, Calibration};
 pub use energy::Energy;
 pub use kalman::Kalman;
 pub use load::LoadMethod;
@@ -95,6 +97,8 @@ pub struct Settings {
     pub energy: energy::Gains,
     /// Noises that `kalman` believes in.
     pub kalman: kalman::Gains,
+    /// Noises and anchors that `calibrating` believes in.
+    pub calibrating: calibrating::Gains,
     /// Gains follow the communication step.
     pub scheduled: bool,
     /// (29) acts; without it the observer keeps the friction it has.
@@ -110,6 +114,7 @@ impl Settings {
         lyapunov: lyapunov::Gains::AT_1_KHZ,
         energy: energy::Gains::AT_1_KHZ,
         kalman: kalman::Gains::DEFAULT,
+        calibrating: calibrating::Gains::DEFAULT,
         scheduled: true,
         adapts: true,
     };
@@ -147,6 +152,8 @@ pub struct Estimate {
     pub excitation: f64,
     /// What the clutches do.
     pub phase: Phase,
+    /// What `calibrating` learnt of its parameters; 0 of other methods.
+    pub calibration: Calibration,
     /// The estimate can be used: there is no `fault`.
     pub valid: bool,
     /// Why the estimate cannot be used.
@@ -232,4 +239,9 @@ pub fn map_based(p: &Params, mu_n: [f64; 2], sample: &Sample) -> ([f64; 2], f64)
     });
     let g = p.g(sample.gear);
     (t_c, g[0] * t_c[0] + g[1] * t_c[1])
+}
+
+/// T_b: brake torque that is measured, against the motion [N·m].
+fn brake(p: &Params, sample: &Sample) -> f64 {
+    sample.t_brake * p.road.direction(sample.omega_w)
 }

@@ -2,7 +2,7 @@
 
 use crate::Params;
 use crate::observer::{
-    Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit,
+    Calibrating, Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit,
 };
 
 /// Methods of estimation.
@@ -17,11 +17,19 @@ pub enum Method {
     Energy = 3,
     /// Kalman filter with torques as random walks.
     Kalman = 4,
+    /// Kalman filter that learns errors of torque, inertia, wheel speed and drive shaft.
+    Calibrating = 5,
 }
 
 impl Method {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Paper, Self::Lyapunov, Self::Energy, Self::Kalman];
+    pub const ALL: [Self; 5] = [
+        Self::Paper,
+        Self::Lyapunov,
+        Self::Energy,
+        Self::Kalman,
+        Self::Calibrating,
+    ];
 }
 
 /// An observer of any method: the states of all of them side by side, so it needs no allocation and
@@ -34,6 +42,7 @@ pub struct Selected {
     lyapunov: Lyapunov,
     energy: Energy,
     kalman: Kalman,
+    calibrating: Calibrating,
 }
 
 impl Selected {
@@ -51,6 +60,7 @@ impl Selected {
             Method::Lyapunov => &mut self.lyapunov,
             Method::Energy => &mut self.energy,
             Method::Kalman => &mut self.kalman,
+            Method::Calibrating => &mut self.calibrating,
         }
     }
 }
@@ -70,5 +80,6 @@ impl Observer for Selected {
         self.lyapunov.visit(visit);
         self.energy.visit(visit);
         self.kalman.visit(visit);
+        self.calibrating.visit(visit);
     }
 }

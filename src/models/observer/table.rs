@@ -1,5 +1,6 @@
 //! The table of `DctObserver`.
 
+mod calibration;
 mod gains;
 
 use super::Observer;
@@ -23,7 +24,7 @@ pub(super) const MOMENTUM: i32 = 3;
 pub(super) const VARIABLES: &[Variable<Observer>] = table!(Observer:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
     OUTPUTS, clutch_outputs::<0>(), clutch_outputs::<1>(),
-    SETTINGS, NOMINAL_FRICTION, gains::GAINS,
+    SETTINGS, NOMINAL_FRICTION, gains::GAINS, calibration::OUTPUTS, calibration::ANCHORS,
     driveline(), road(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
 );
 
@@ -72,6 +73,11 @@ static OBSERVER_METHOD: Enumeration = Enumeration {
             name: "kalman",
             value: Method::Kalman as i32,
             description: "Kalman filter with torques as random walks; needs no load method",
+        },
+        Item {
+            name: "calibrating",
+            value: Method::Calibrating as i32,
+            description: "Kalman filter that learns errors of torque, inertia, wheel speed and shaft",
         },
     ],
 };

@@ -139,4 +139,4 @@ pub(super) const GAINS: [Variable<Observer>; 19] = [
 /// Smallest weight of a Lyapunov function.
 const WEIGHT: f64 = 1e-9;
 /// Smallest deviation of a measured speed [rad/s]: without any a filter divides by zero.
-const SENSOR: f64 = 1e-4;
+pub(super) const SENSOR: f64 = 1e-4;
