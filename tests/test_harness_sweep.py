@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import csv
+import signal
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from dct_harness.errors import ConfigError
 from dct_harness.sweep_verb import draws
-from harness_fixture.lag_fmu import harness, write_system
+from harness_fixture.lag_fmu import HARNESS, environment, harness, write_system
 
 MANY = 20_000
 FOUR_SIGMA = 4.0  # of the sampling error: one wrong alarm in 16 000, and the seed is fixed
@@ -63,3 +65,19 @@ def test_unknown_parameter_ends_the_sweep_with_2(lag_dir: Path, tmp_path: Path) 
                    "plant.tua=uniform(1,2)", folder=tmp_path)  # fmt: skip
     assert done.returncode == 2
     assert "Did you mean 'tau'?" in done.stderr
+
+
+def test_ctrl_c_keeps_the_runs_so_far(lag_dir: Path, tmp_path: Path) -> None:
+    system = write_system(tmp_path)
+    command = [*HARNESS, "sweep", system, "--fmu-dir", lag_dir, "--out", tmp_path / "out",
+               "--runs", "100000", "--vary", "plant.tau=uniform(1,2)"]  # fmt: skip
+    with subprocess.Popen(command, env=environment(tmp_path), stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as process:  # fmt: skip
+        process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+    assert process.returncode == 130
+    with (tmp_path / "out/sweep.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert 1 <= len(rows) < 1000
+    assert list((tmp_path / "tmp").iterdir()) == []

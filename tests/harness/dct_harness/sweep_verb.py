@@ -73,13 +73,16 @@ def _draw(text: str, runs: int, generator: np.random.Generator) -> tuple[str, np
 def sweep(args: argparse.Namespace) -> int:
     """Run, write `sweep.csv` and print how the KPIs spread; returns 1 when a run misses a limit."""
     values = draws(args.vary, args.runs, args.seed)
-    rows = []
-    for k in range(args.runs):
-        chosen = {name: float(drawn[k]) for name, drawn in values.items()}
-        rows.append(_one(args, k + 1, chosen))
-        shown = ", ".join(f"{name} = {value:.5g}" for name, value in chosen.items())
-        print(f"{k + 1:4d} of {args.runs}  {rows[-1]['verdict']:10}  {shown}", flush=True)
-    _write(args.out / SWEEP_CSV, rows)
+    rows: list[dict[str, Any]] = []
+    try:
+        for k in range(args.runs):
+            chosen = {name: float(drawn[k]) for name, drawn in values.items()}
+            rows.append(_one(args, k + 1, chosen))
+            shown = ", ".join(f"{name} = {value:.5g}" for name, value in chosen.items())
+            print(f"{k + 1:4d} of {args.runs}  {rows[-1]['verdict']:10}  {shown}", flush=True)
+    finally:  # Ctrl-C keeps the runs so far
+        if rows:
+            _write(args.out / SWEEP_CSV, rows)
     print(f"\n{_spread(rows, list(values))}\n\n{args.out / SWEEP_CSV}: {len(rows)} runs")
     missed = sum(row["verdict"] not in ("pass", "not judged") for row in rows)
     print(f"verdict: {'fail' if missed else 'pass'}, {missed} of {len(rows)} runs miss a limit")
