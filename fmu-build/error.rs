@@ -92,6 +92,24 @@ pub enum Error {
         /// The FMUs.
         fmus: [PathBuf; 2],
     },
+    /// An FMU refused a call.
+    Refused {
+        /// The function.
+        function: &'static str,
+        /// The `fmi2Status` it returned.
+        status: i32,
+        /// What it logged.
+        messages: String,
+    },
+    /// A table of inputs cannot be used.
+    Stimuli {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
     /// `cargo metadata` failed or said what is not understood.
     Metadata {
         /// What it said.
@@ -182,6 +200,14 @@ impl fmt::Display for Error {
                 one.display(),
                 other.display()
             ),
+            Self::Refused {
+                function,
+                status,
+                messages,
+            } => write!(f, "{function} returned {status}: {messages}"),
+            Self::Stimuli { path, line, what } => {
+                write!(f, "{}, line {line}: {what}", path.display())
+            }
             Self::Metadata { said } => write!(f, "`cargo metadata` failed: {}", said.trim_end()),
             Self::Epoch { value } => write!(
                 f,

@@ -28,7 +28,7 @@ mod variables_md;
 mod xml;
 
 pub use archive::package;
-pub use check::{Finding, Report, Severity, check, check_for};
+pub use check::{Finding, Report, Severity, check, check_for, replay};
 pub use description::describe;
 pub use error::{Error, Result};
 pub use merge::merge;

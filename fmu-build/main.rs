@@ -63,6 +63,20 @@ enum Command {
         #[arg(long, value_name = "FMU")]
         out: Option<PathBuf>,
     },
+    /// Run an FMU over a table of inputs and write its outputs, bit for bit.
+    #[command(after_help = "The same file on two platforms means that both compute the same.")]
+    Replay {
+        /// FMU file.
+        fmu: PathBuf,
+        /// CSV file: column `time` [s], then columns named like inputs.
+        stimuli: PathBuf,
+        /// Communication step [s].
+        #[arg(long, value_name = "SECONDS", default_value = "0.001")]
+        step: f64,
+        /// File to write.
+        #[arg(long, value_name = "CSV")]
+        out: PathBuf,
+    },
     /// Write the closed loop of all FMUs, with their connections, as an SSP 1.0 file.
     #[command(after_help = "Takes the FMUs that `cargo fmu build` wrote into the same folder.")]
     Ssp {
@@ -111,6 +125,12 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
             fmu_build::merge(&all, &path)?;
             print_paths(&[path])?;
         }
+        Command::Replay {
+            fmu,
+            stimuli,
+            step,
+            out,
+        } => fmu_build::replay(&fmu, &stimuli, step, &out)?,
         Command::Ssp { out } => ssp(out)?,
         Command::Check { fmus, glibc } => return check(&fmus, glibc.as_ref()),
     }

@@ -8,16 +8,20 @@
 mod audit;
 mod native;
 mod parsed;
+mod replay;
 mod rules;
 mod run;
+mod stimuli;
 mod unpack;
 
 use crate::binary::Version;
 use crate::{Result, library};
 use parsed::Description;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 use unpack::Unpacked;
+
+pub use replay::replay;
 
 /// What a check found.
 #[derive(Debug, Default)]
@@ -103,13 +107,7 @@ pub fn check(path: &Path) -> Result<Report> {
 /// # Errors
 /// When the file cannot be opened at all; everything else is a finding.
 pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
-    let unpacked = Unpacked::open(path)?;
-    let file = unpacked.folder().join("modelDescription.xml");
-    let text = fs::read_to_string(&file).map_err(|source| crate::Error::Io {
-        path: "modelDescription.xml".into(),
-        source,
-    })?;
-    let description = parsed::parse(&text)?;
+    let (unpacked, description) = opened(path)?;
     let mut report = Report {
         model: description.model_name.clone(),
         ..Report::default()
@@ -120,16 +118,40 @@ pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
     Ok(report)
 }
 
+/// Unpacks an FMU and reads its description.
+fn opened(path: &Path) -> Result<(Unpacked, Description)> {
+    let unpacked = Unpacked::open(path)?;
+    let file = unpacked.folder().join("modelDescription.xml");
+    let text = fs::read_to_string(&file).map_err(|source| crate::Error::Io {
+        path: "modelDescription.xml".into(),
+        source,
+    })?;
+    let description = parsed::parse(&text)?;
+    Ok((unpacked, description))
+}
+
+/// Where the library for the machine that runs this program should be.
+struct Library {
+    member: String,
+    path: PathBuf,
+}
+
+impl Library {
+    fn of_this_machine(description: &Description, folder: &Path) -> Result<Self> {
+        let (platform, extension) = library::platform()?;
+        let co_simulation = description.co_simulation.as_ref();
+        let name = co_simulation.map_or("", |found| &found.model_identifier);
+        let member = format!("binaries/{platform}/{name}.{extension}");
+        let path = folder.join(&member);
+        Ok(Self { member, path })
+    }
+}
+
 fn check_library(description: &Description, folder: &Path, report: &mut Report) -> Result<()> {
-    let Some(co_simulation) = &description.co_simulation else {
+    if description.co_simulation.is_none() {
         return Ok(());
-    };
-    let (platform, extension) = library::platform()?;
-    let member = format!(
-        "binaries/{platform}/{}.{extension}",
-        co_simulation.model_identifier
-    );
-    let path = folder.join(&member);
+    }
+    let Library { member, path } = Library::of_this_machine(description, folder)?;
     if !path.is_file() {
         report.error(
             "2.3",

@@ -271,6 +271,39 @@ impl Instance<'_> {
         Ok(value.map(text))
     }
 
+    pub(super) fn set_real(&self, reference: u32, value: f64) -> Result<Called> {
+        self.set("fmi2SetReal", reference, value)
+    }
+
+    pub(super) fn set_integer(&self, reference: u32, value: i32) -> Result<Called> {
+        self.set("fmi2SetInteger", reference, value)
+    }
+
+    pub(super) fn set_boolean(&self, reference: u32, value: bool) -> Result<Called> {
+        self.set("fmi2SetBoolean", reference, c_int::from(value))
+    }
+
+    pub(super) fn do_step(&self, time: f64, step: f64) -> Result<Called> {
+        type DoStep = extern "C" fn(Component, f64, f64, c_int) -> Status;
+        // SAFETY: the type of fmi2DoStep in fmi2FunctionTypes.h.
+        let call = unsafe { self.binary.function::<DoStep>("fmi2DoStep")? };
+        let status = call(self.component.as_ptr(), time, step, 1);
+        Ok(called("fmi2DoStep", status, ()))
+    }
+
+    fn set<T>(&self, name: &'static str, reference: u32, value: T) -> Result<Called> {
+        type Set<T> = extern "C" fn(Component, *const c_uint, usize, *const T) -> Status;
+        // SAFETY: the private callers pair each name with its type of fmi2FunctionTypes.h.
+        let call = unsafe { self.binary.function::<Set<T>>(name)? };
+        let status = call(
+            self.component.as_ptr(),
+            &raw const reference,
+            1,
+            &raw const value,
+        );
+        Ok(called(name, status, ()))
+    }
+
     fn get<T>(&self, name: &'static str, reference: u32, mut value: T) -> Result<Called<T>> {
         type Get<T> = extern "C" fn(Component, *const c_uint, usize, *mut T) -> Status;
         // SAFETY: the private callers pair each name with its type of fmi2FunctionTypes.h.

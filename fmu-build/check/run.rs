@@ -132,7 +132,7 @@ fn check_start(
 }
 
 /// A value as read from the library.
-enum Value {
+pub(super) enum Value {
     Real(f64),
     Integer(i32),
     Boolean(bool),
@@ -165,7 +165,7 @@ impl fmt::Display for Value {
     }
 }
 
-fn read(
+pub(super) fn read(
     instance: &Instance<'_>,
     kind: Kind,
     reference: u32,
@@ -192,7 +192,7 @@ fn accepted<T>(result: std::result::Result<T, Refused>, report: &mut Report) -> 
 }
 
 /// `file:///…` of the folder `resources`, blanks and other special characters encoded.
-fn resource_uri(folder: &Path) -> String {
+pub(super) fn resource_uri(folder: &Path) -> String {
     let path = folder
         .join("resources")
         .to_string_lossy()

@@ -1,0 +1,141 @@
+//! A table of inputs over time, read from a CSV file.
+
+use crate::{Error, Result};
+use std::fs;
+use std::path::Path;
+
+/// Rows of numbers; the first column is the time [s].
+pub(super) struct Stimuli {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+/// One column with the times of its rows.
+pub(super) struct Column<'a> {
+    rows: &'a [Vec<f64>],
+    index: usize,
+}
+
+impl Stimuli {
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let text = fs::read_to_string(path).map_err(|source| Error::Io {
+            path: path.into(),
+            source,
+        })?;
+        Self::parse(&text).map_err(|(line, what)| Error::Stimuli {
+            path: path.into(),
+            line,
+            what,
+        })
+    }
+
+    fn parse(text: &str) -> std::result::Result<Self, (usize, &'static str)> {
+        let mut lines = text.lines();
+        let heading = lines.next().unwrap_or_default().split(',');
+        let names: Vec<_> = heading
+            .map(|name| name.trim().trim_matches('"').to_owned())
+            .collect();
+        if names[0] != "time" {
+            return Err((1, "the first column must be called time"));
+        }
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for (line, text) in (2..).zip(lines).filter(|(_, text)| !text.trim().is_empty()) {
+            let numbers = text.split(',').map(|cell| number(cell.trim()));
+            let row: Vec<f64> = numbers
+                .collect::<Option<_>>()
+                .ok_or((line, "not a number"))?;
+            if row.len() != names.len() {
+                return Err((line, "the row has another length than the heading"));
+            }
+            if rows.last().is_some_and(|last| last[0] >= row[0]) {
+                return Err((line, "the time does not increase"));
+            }
+            rows.push(row);
+        }
+        if rows.is_empty() {
+            return Err((2, "there is no row"));
+        }
+        Ok(Self { names, rows })
+    }
+
+    /// First and last time [s].
+    pub(super) fn times(&self) -> (f64, f64) {
+        (self.rows[0][0], self.rows[self.rows.len() - 1][0])
+    }
+
+    pub(super) fn column(&self, name: &str) -> Option<Column<'_>> {
+        let index = self.names.iter().skip(1).position(|other| other == name)? + 1;
+        Some(Column {
+            rows: &self.rows,
+            index,
+        })
+    }
+}
+
+fn number(cell: &str) -> Option<f64> {
+    match cell {
+        "true" => Some(1.0),
+        "false" => Some(0.0),
+        other => other.parse().ok().filter(|value: &f64| value.is_finite()),
+    }
+}
+
+impl Column<'_> {
+    /// Index of the last row that is not later; the first one before all.
+    fn row(&self, time: f64) -> usize {
+        self.rows
+            .partition_point(|row| row[0] <= time)
+            .saturating_sub(1)
+    }
+
+    /// The value at a time, interpolated linearly.
+    pub(super) fn at(&self, time: f64) -> f64 {
+        let here = self.row(time);
+        let (from, to) = (
+            &self.rows[here],
+            &self.rows[(here + 1).min(self.rows.len() - 1)],
+        );
+        if time <= from[0] || to[0] <= from[0] {
+            return from[self.index];
+        }
+        let part = (time - from[0]) / (to[0] - from[0]);
+        from[self.index] + part * (to[self.index] - from[self.index])
+    }
+
+    /// The whole number of the last row.
+    pub(super) fn kept(&self, time: f64) -> i32 {
+        let value = self.rows[self.row(time)][self.index];
+        format!("{value:.0}").parse().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reals_are_interpolated_and_whole_numbers_kept() {
+        let stimuli = Stimuli::parse("time,a,n\n0,1,1\n2,2,3\n").unwrap();
+        let (a, n) = (stimuli.column("a").unwrap(), stimuli.column("n").unwrap());
+        assert_eq!(
+            [0.0, 1.0, 2.0, 9.0].map(|time| a.at(time)),
+            [1.0, 1.5, 2.0, 2.0]
+        );
+        assert_eq!([0.0, 1.9, 2.0].map(|time| n.kept(time)), [1, 1, 3]);
+        assert_eq!(stimuli.times(), (0.0, 2.0));
+        assert!(stimuli.column("time").is_none() && stimuli.column("b").is_none());
+    }
+
+    #[test]
+    fn faults_are_named_with_their_line() {
+        for (text, line) in [
+            ("t,a\n0,1\n", 1),
+            ("time,a\n", 2),
+            ("time,a\n0,x\n", 2),
+            ("time,a\n0,1\n1\n", 3),
+            ("time,a\n0,1\n0,1\n", 3),
+        ] {
+            assert_eq!(Stimuli::parse(text).err().unwrap().0, line, "{text}");
+        }
+    }
+}
