@@ -14,6 +14,7 @@ mod bench;
 mod demo;
 mod packages;
 mod plan;
+mod platforms;
 mod setup;
 mod test;
 
@@ -33,6 +34,8 @@ commands:
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing
   docs           the docs site into target/docs
+  platforms      FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, each
+                 run over the paper's scenario, under qemu and wine, with the same bits
   ci             demo, then test: what a change must pass
 
 set-up (done by every command, kept between runs):
@@ -75,6 +78,7 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["bench"] => plan::run(bench::steps(&project, &[])),
         ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
         ["docs"] => plan::run(docs(&project)),
+        ["platforms"] => plan::run(platforms::steps(&project)),
         ["ci"] => plan::run(ci(&project)),
         [] | ["help" | "--help" | "-h"] | [_, "--help" | "-h"] => {
             print!("{HELP}");

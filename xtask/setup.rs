@@ -22,6 +22,14 @@ pub enum Package {
     Valgrind,
     /// `ensurepip`, which Debian keeps apart from Python.
     Venv,
+    /// Links libraries for Windows.
+    Mingw,
+    /// Runs programs for Windows.
+    Wine,
+    /// Runs programs for ARM.
+    Qemu,
+    /// The C library of ARM, for the programs that qemu runs.
+    Arm,
 }
 
 impl Package {
@@ -31,6 +39,10 @@ impl Package {
             Self::Tbb => "libtbb12",
             Self::Valgrind => "valgrind",
             Self::Venv => "python3-venv",
+            Self::Mingw => "gcc-mingw-w64-x86-64-win32",
+            Self::Wine => "wine64 wine",
+            Self::Qemu => "qemu-user",
+            Self::Arm => "libc6-arm64-cross",
         }
     }
 
@@ -41,6 +53,10 @@ impl Package {
                 .any(starts),
             Self::Tbb => !cfg!(target_os = "linux") || library_is_known("libtbb.so.12"),
             Self::Valgrind => starts(&"valgrind"),
+            Self::Mingw => starts(&"x86_64-w64-mingw32-gcc"),
+            Self::Wine => starts(&"wine"),
+            Self::Qemu => starts(&"qemu-aarch64"),
+            Self::Arm => Path::new("/usr/aarch64-linux-gnu/lib/libc.so.6").exists(),
             Self::Venv => python().is_ok_and(|python| {
                 succeeds(Command::new(python).args(["-c", "import ensurepip, venv"]))
             }),
@@ -153,7 +169,7 @@ fn install(needed: &[Package]) -> Result<(), Failure> {
     }
     execute(apt_get(&["update", "-qq"]))?;
     let mut command = apt_get(&["install", "-y", "-qq", "--no-install-recommends"]);
-    command.args(names);
+    command.args(names.iter().flat_map(|name| name.split(' ')));
     execute(command)
 }
 
