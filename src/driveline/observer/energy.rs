@@ -69,7 +69,7 @@ impl Gains {
         l_c: 800.0,
     };
 
-    /// These gains, given for 1 ms, at a step `h` [s]: see [`scaled`].
+    /// These gains, given for 1 ms, at a step `h` [s]: see `scaled`.
     pub fn at_step(&self, h: f64) -> Self {
         let [fast, slow] = [Self::AT_1_KHZ, Self::AT_100_HZ];
         Self {

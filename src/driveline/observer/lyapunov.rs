@@ -73,7 +73,7 @@ impl Gains {
         p_3: 1.0 / 2500.0,
     };
 
-    /// These gains, given for 1 ms, at a step `h` [s]: see [`scaled`].
+    /// These gains, given for 1 ms, at a step `h` [s]: see `scaled`.
     pub fn at_step(&self, h: f64) -> Self {
         let [fast, slow] = [Self::AT_1_KHZ, Self::AT_100_HZ];
         Self {
