@@ -1,6 +1,7 @@
 //! The closed loop as one file: an SSP 1.0 archive of FMUs with their connections.
 //!
-//! An input takes the output of the same name; what no FMU gives becomes an input of the system.
+//! An input takes the output of the same name, the control's that of the observer; what no FMU gives
+//! becomes an input of the system.
 
 use crate::models::Entry;
 use crate::port::{Kind, Port};
@@ -11,6 +12,11 @@ use std::fs;
 use std::path::Path;
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructure";
+
+// A control reads what the observer estimates, not what only the plant knows.
+const PLANT: &str = "plant";
+const OBSERVER: &str = "observer";
+const CONTROL: &str = "control";
 
 /// A component of the system.
 pub struct Component {
@@ -128,18 +134,22 @@ fn connections(components: &[Component], ports: &[Vec<Port>]) -> Result<Vec<Elem
     let mut all = Vec::new();
     for (to, inputs) in components.iter().zip(ports) {
         for port in inputs.iter().filter(|port| port.is_input()) {
-            let sources = components.iter().zip(ports);
-            let mut sources = sources.filter(|(_, ports)| has_output(ports, port.name));
-            let (first, second) = (sources.next(), sources.next());
-            if let (Some((one, _)), Some((other, _))) = (first, second) {
-                return Err(Error::TwoSources {
-                    variable: format!("{}.{}", to.name, port.name),
-                    components: [one.name, other.name],
-                });
-            }
+            let given = components.iter().zip(ports);
+            let given = given.filter(|(_, ports)| has_output(ports, port.name));
+            let sources: Vec<_> = given.map(|(one, _)| one.name).collect();
+            let first = match (to.name, sources.as_slice()) {
+                (CONTROL, [PLANT, OBSERVER]) => Some(OBSERVER),
+                (_, [one, other, ..]) => {
+                    return Err(Error::TwoSources {
+                        variable: format!("{}.{}", to.name, port.name),
+                        components: [*one, *other],
+                    });
+                }
+                (_, rest) => rest.first().copied(),
+            };
             let mut connection = Element::new("ssd:Connection");
-            if let Some((from, _)) = first {
-                connection = connection.with("startElement", from.name);
+            if let Some(from) = first {
+                connection = connection.with("startElement", from);
             }
             let connection = connection.with("startConnector", port.name);
             all.push(

@@ -140,6 +140,15 @@ def test_a_system_with_inputs_needs_a_scenario(package: Callable[..., Path]) -> 
     assert "has inputs of its own; give --scenario FILE.csv" in done.stderr
 
 
+def test_an_input_without_a_column_keeps_its_start_value_and_is_told(
+    package: Callable[..., Path],
+) -> None:
+    done = _run(package('startConnector="push"', 'startConnector="pull"'))
+    assert done.returncode == 0, done.stderr
+    assert "the scenario has no column for first.u: start values" in done.stderr
+    assert not results.load(package().parent / "out")["first.x"].any()  # u starts at 0
+
+
 def test_a_code_without_a_row_ends_the_run(package: Callable[..., Path]) -> None:
     done = _run(package('source="8" target="4"', 'source="7" target="4"'))
     assert done.returncode == 4

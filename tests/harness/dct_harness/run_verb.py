@@ -105,6 +105,11 @@ def _model(args: argparse.Namespace) -> tuple[system.System, dict[str, Path], ss
     if args.system.suffix.lower() == ".ssp":
         package = ssp.Package(args.system)
         model = package.system(args.scenario, args.step, args.stop)
+        free = package.release(model)
+        if free and not (args.quiet or args.json):
+            print(
+                f"the scenario has no column for {', '.join(free)}: start values", file=sys.stderr
+            )
         return model, dict(package.paths), package
     model = system.load(args.system)
     model.scenario = args.scenario or model.scenario

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from . import scenario as scenarios
 from . import units
 from .archive import described, extract, opened, refuse_doctype
 from .errors import ConfigError, did_you_mean
@@ -62,6 +63,19 @@ class Package:
             name, name, step or STEP, stop if stop is not None else float(told), scenario,
             components, connections, self.path, explicit=True, transforms=transforms,
         )  # fmt: skip
+
+    @staticmethod
+    def release(system: System) -> list[str]:
+        """Drop connections from inputs of the system that the scenario has no column for.
+
+        Their targets keep their start values; returns them.
+        """
+        columns = scenarios.load(system.scenario).signals
+        free = [t for t, s in system.connections.items()
+                if s.startswith("scenario.") and s.partition(".")[2] not in columns]  # fmt: skip
+        for target in free:
+            del system.connections[target]
+        return free
 
     def _components(self) -> list[ElementTree.Element]:
         elements = _one(self._system, "Elements")
