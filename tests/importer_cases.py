@@ -42,7 +42,8 @@ LATER: dict[str, dict[str, float | int | bool]] = {
     "DctObserver": {"clutch1.position": 0.007, "clutch2.position": 0.004, "wheel.speed": 2.0},
     "DctClutchControl": {
         "clutch1.torqueRequest": 90.0, "clutch2.torqueRequest": 20.0, "feedback.enabled": True,
-        "clutch1.friction": 0.25,
+        "clutch1.friction": 0.25, "engine.speed": 150.0, "clutch1.torque": 60.0,
+        "clutch2.torque": 15.0,
     },
 }  # fmt: skip
 MODELS = tuple(STARTS)

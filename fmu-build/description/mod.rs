@@ -12,7 +12,7 @@ mod units;
 mod variables;
 
 use crate::{Error, Result};
-use fmi2_cosim::{Category, Model};
+use fmi2_cosim::{Category, Model, provides_directional_derivatives};
 use quick_xml::se::Serializer;
 use serde::Serialize;
 
@@ -109,6 +109,11 @@ struct CoSimulation {
         skip_serializing_if = "Option::is_none"
     )]
     output_derivatives: Option<u8>,
+    #[serde(
+        rename = "@providesDirectionalDerivative",
+        skip_serializing_if = "std::ops::Not::not"
+    )]
+    directional_derivatives: bool,
     #[serde(rename = "@canBeInstantiatedOnlyOncePerProcess")]
     only_once_per_process: bool,
     #[serde(rename = "@canNotUseMemoryManagementFunctions")]
@@ -129,6 +134,7 @@ impl CoSimulation {
                 .iter()
                 .any(|row| row.slope.is_some())
                 .then_some(1),
+            directional_derivatives: provides_directional_derivatives::<M>(),
             only_once_per_process: false,
             own_memory: true,
             saves_state: true,

@@ -38,6 +38,26 @@ impl ForceMap {
         interpolate(&self.position, &self.force, theta)
     }
 
+    /// dF_n/dθ_m [N/m] on the side of a position towards which it moves: a map has corners.
+    ///
+    /// `theta`: actuator position θ_m [m]. `rate`: its rate or direction; below 0: the left side.
+    pub fn slope(&self, theta: f64, rate: f64) -> f64 {
+        let before = |end: &f64| {
+            if rate < 0.0 {
+                theta <= *end
+            } else {
+                theta < *end
+            }
+        };
+        match self.position.iter().position(before) {
+            Some(end) if end > 0 => {
+                (self.force[end] - self.force[end - 1])
+                    / (self.position[end] - self.position[end - 1])
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Smallest actuator position [m] that gives a normal force, inverse of [`Self::force`].
     ///
     /// `force`: normal force [N]; outside the map's range the position of the nearest end of it.
@@ -84,6 +104,26 @@ mod tests {
         ];
         for (theta, force) in cases {
             assert!((map.force(theta) - force).abs() < 1e-9, "{theta} m");
+        }
+    }
+
+    #[test]
+    fn slope_is_that_of_the_side_it_moves_to() {
+        let map = ForceMap::CLUTCH_1;
+        let cases = [
+            (1e-3, 1.0, 0.0),
+            (2e-3, 1.0, 250e3),
+            (2e-3, -1.0, 0.0),
+            (3e-3, -1.0, 250e3),
+            (10e-3, 1.0, 0.0),
+            (10e-3, -1.0, 2100e3),
+            (0.0, -1.0, 0.0),
+        ];
+        for (theta, rate, slope) in cases {
+            assert!(
+                (map.slope(theta, rate) - slope).abs() < 1e-6,
+                "{theta} m, {rate}"
+            );
         }
     }
 

@@ -83,6 +83,22 @@ impl ClutchParams {
     }
 }
 
+impl ClutchParams {
+    /// Rate of [`Self::force`] [N/s] while the actuator moves by `rate`, per second.
+    pub fn force_rate(&self, actuation: Actuation, rate: Actuation) -> f64 {
+        if self.piston_area <= 0.0 {
+            return self.map.slope(actuation.position, rate.position) * rate.position;
+        }
+        let free = actuation.pressure * self.piston_area - self.return_force;
+        let moved = rate.pressure * self.piston_area;
+        if free > 0.0 || free == 0.0 && moved > 0.0 {
+            moved
+        } else {
+            0.0
+        }
+    }
+}
+
 /// Road load (11).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoadParams {

@@ -85,6 +85,11 @@ pub enum Error {
         /// Order asked for.
         order: i32,
     },
+    /// A directional derivative is that of a Real output by Real inputs; this is neither.
+    NotDifferentiable {
+        /// Name of the variable.
+        variable: &'static str,
+    },
     /// The stop time does not lie after the start time.
     Experiment {
         /// Start time [s].
@@ -190,6 +195,12 @@ impl fmt::Display for Error {
             }
             Self::NoDerivative { variable, order } => {
                 write!(f, "{variable} offers no derivative of order {order}")
+            }
+            Self::NotDifferentiable { variable } => {
+                write!(
+                    f,
+                    "{variable} is not what a directional derivative takes there: Real outputs by Real inputs"
+                )
             }
             Self::Experiment { start, stop } => {
                 write!(

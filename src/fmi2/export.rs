@@ -79,6 +79,11 @@ macro_rules! export {
                 fmi2GetRealOutputDerivatives(
                     vr: *const u32, n: usize, order: *const c_int, value: *mut f64
                 ) = |c| FMU.get_output_derivatives(c, vr, n, order, value);
+                fmi2GetDirectionalDerivative(
+                    unknown: *const u32, unknowns: usize, known: *const u32, knowns: usize,
+                    dv_known: *const f64, dv_unknown: *mut f64
+                ) = |c| FMU.directional_derivative(
+                    c, (unknown, known), [unknowns, knowns], dv_known, dv_unknown);
                 fmi2GetRealStatus(kind: c_int, value: *mut f64)
                     = |c| FMU.real_status(c, kind, value);
             }
@@ -99,11 +104,6 @@ macro_rules! export {
                 fmi2DoStep(time: f64, step: f64, _no_set_state: c_int)
                     = |c| FMU.enter(c, Call::DoStep, |i, log| i.step(time, step, log));
                 fmi2SetFMUstate(state: *mut c_void) = |c| FMU.set_state(c, state);
-                fmi2GetDirectionalDerivative(
-                    _unknown: *const u32, _unknowns: usize, _known: *const u32, _knowns: usize,
-                    _dv_known: *const f64, _dv_unknown: *mut f64
-                ) = |c| FMU.not_offered(
-                    c, Call::GetDirectionalDerivative, "directional derivatives");
                 fmi2CancelStep() = |c| FMU.not_offered(c, Call::CancelStep, "asynchronous steps");
                 fmi2GetStatus(kind: c_int, _value: *mut c_int)
                     = |c| FMU.status(c, Call::GetStatus, kind);

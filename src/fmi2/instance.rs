@@ -7,6 +7,9 @@ use crate::saved::Saved;
 use crate::value::{Value, find, finite, settable};
 use crate::{Call, Causality, Error, Failure, Log, Model, State, Variable};
 
+mod tangent;
+pub use tangent::provides_directional_derivatives;
+
 /// Communication points may differ from the model's time by this much, relative to max(1 s, |t|):
 /// far above the rounding of any sum of steps, far below any step.
 pub const TIME_TOLERANCE: f64 = 1e-9;
@@ -211,6 +214,7 @@ impl<M: Model> Instance<M> {
         }
         self.refresh(log)?;
         let model = &mut self.now.model;
+        model.update_slopes();
         let value = |(&reference, &order)| {
             let (_, slope) = derivative::<M>(reference, order, |row| row.slope).ok()?;
             Some(*slope(model))

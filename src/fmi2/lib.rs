@@ -21,7 +21,7 @@ pub mod variable;
 pub use check::check;
 pub use error::{Error, Status};
 pub use guid::guid;
-pub use instance::{Instance, TIME_TOLERANCE};
+pub use instance::{Instance, TIME_TOLERANCE, provides_directional_derivatives};
 pub use model::{Category, Experiment, Failure, Log, Model, StateFields};
 pub use saved::Saved;
 pub use state::{Call, State};

@@ -44,6 +44,20 @@ pub trait Model: Clone + Default + Send + 'static {
     /// The shell calls it when an importer reads after it has set, without a step in between.
     fn update_outputs(&mut self) {}
 
+    /// The model computes directional derivatives: [`Self::tangent`] is there.
+    const TANGENT: bool = false;
+
+    /// Turns a direction into derivatives, at the present values of `self`.
+    ///
+    /// `direction` holds a change in its Real inputs; the Real outputs of it become the change of the
+    /// outputs that follows while the states stay, to first order.
+    fn tangent(&mut self, direction: &mut Self) {
+        let _ = direction;
+    }
+
+    /// Computes what the slopes of the rows point at; called before slopes are read.
+    fn update_slopes(&mut self) {}
+
     /// Visits every field that is neither a variable of the table nor derived from one: the
     /// hidden state. It is written to and read from serialised FMU states in this order.
     fn hidden_state(&mut self, fields: &mut dyn StateFields);

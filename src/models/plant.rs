@@ -14,7 +14,7 @@ use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
-use dct_driveline::plant_matrices::{Systems, W};
+use dct_driveline::plant_matrices::{State, Systems, W};
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use propagation::{OneStep, Propagation};
 
@@ -58,6 +58,8 @@ pub struct Plant {
     jerk_filter: JerkFilter,
     /// dV/dt through the filter [m/s²], and jerk [m/s³].
     comfort: [f64; 2],
+    /// Time derivatives of the outputs, when they were asked for.
+    y_rate: Output,
     /// Clutch states 1, 2, 3.
     clutch_state: [i32; 2],
     propagation: Propagation,
@@ -80,6 +82,7 @@ impl Default for Plant {
             y,
             jerk_filter: JerkFilter::at(0.0),
             comfort: [0.0; 2],
+            y_rate: Output::default(),
             clutch_state: y.state.map(|state| state as i32),
             propagation: Propagation::default(),
         }
@@ -128,6 +131,21 @@ impl Plant {
             force: [0, 1].map(|i| (force[i] - start.force[i]) / step),
             t_brake: self.u_rate.brake_torque,
             phi: self.u_rate.grade,
+        }
+    }
+
+    /// Change of the driveline's inputs for a change `du` of what the importer sets.
+    fn input_change(&self, du: &Inputs) -> InputRate {
+        let actuation = |u: &Inputs, i: usize| Actuation {
+            position: u.position[i],
+            pressure: u.pressure[i],
+        };
+        InputRate {
+            t_e: du.engine_torque,
+            force: [0, 1]
+                .map(|i| self.p.clutch[i].force_rate(actuation(&self.u, i), actuation(du, i))),
+            t_brake: du.brake_torque,
+            phi: du.grade,
         }
     }
 
@@ -211,6 +229,7 @@ impl Model for Plant {
     const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
     const STEPS_STAY_FINITE: bool = true;
+    const TANGENT: bool = true;
     const EXPERIMENT: Experiment = Experiment {
         start: 0.0,
         stop: 30.0,
@@ -260,6 +279,22 @@ impl Model for Plant {
 
     fn update_outputs(&mut self) {
         self.read_outputs(&self.input());
+    }
+
+    fn tangent(&mut self, direction: &mut Self) {
+        let (input, du) = (self.input(), self.input_change(&direction.u));
+        let coupling = self.state.coupling(self.acting);
+        let systems = self.propagation.systems(&self.p, coupling);
+        direction.y = self
+            .state
+            .tangent(&self.p, systems, &input, &State::zeros(), &du);
+    }
+
+    fn update_slopes(&mut self) {
+        let (input, rate) = (self.input(), self.input_change(&self.u_rate));
+        let coupling = self.state.coupling(self.acting);
+        let systems = self.propagation.systems(&self.p, coupling);
+        self.y_rate = self.state.output_rates(&self.p, systems, &input, &rate);
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {

@@ -116,6 +116,38 @@ impl<M: Model> Library<M> {
         )
     }
 
+    /// `fmi2GetDirectionalDerivative`; `counts` of unknowns and knowns.
+    pub unsafe fn directional_derivative(
+        &self,
+        component: *mut c_void,
+        (unknowns, knowns): (*const u32, *const u32),
+        counts: [usize; 2],
+        direction: *const f64,
+        derivatives: *mut f64,
+    ) -> Status {
+        self.enter(
+            component,
+            Call::GetDirectionalDerivative,
+            |instance, log| {
+                counts.into_iter().try_for_each(plausible::<M>)?;
+                let [outputs, inputs] = counts;
+                // SAFETY: the importer's promise.
+                let unknowns = unsafe { slice("vUnknown_ref", unknowns, outputs)? };
+                // SAFETY: the importer's promise.
+                let knowns = unsafe { slice("vKnown_ref", knowns, inputs)? };
+                // SAFETY: the importer's promise.
+                let direction = unsafe { slice("dvKnown", direction, inputs)? };
+                // SAFETY: the importer's promise.
+                let derivatives = unsafe { slice_mut("dvUnknown", derivatives, outputs)? };
+                let found = instance.directional_derivative(unknowns, knowns, direction, log)?;
+                for (to, from) in derivatives.iter_mut().zip(found) {
+                    *to = from;
+                }
+                Ok(())
+            },
+        )
+    }
+
     /// `fmi2GetRealStatus(fmi2LastSuccessfulTime)`; the other kinds are not known.
     pub unsafe fn real_status(
         &self,

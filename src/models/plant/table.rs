@@ -129,6 +129,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_e,
         "omega_e of (1): engine speed",
     )
+    .slope(|m| &mut m.y_rate.omega_e)
     .depends_on(STATES),
     Variable::output(
         ports::DAMPER_SPEED,
@@ -136,6 +137,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_d,
         "omega_d of (2): speed of the damper's output side",
     )
+    .slope(|m| &mut m.y_rate.omega_d)
     .depends_on(STATES),
     Variable::output(
         ports::OUTPUT_SPEED,
@@ -143,6 +145,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_o,
         "omega_o of (8): speed of the output shaft",
     )
+    .slope(|m| &mut m.y_rate.omega_o)
     .depends_on(STATES),
     Variable::output(
         ports::WHEEL_SPEED,
@@ -150,6 +153,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_w,
         "omega_w of (9): speed of the wheels",
     )
+    .slope(|m| &mut m.y_rate.omega_w)
     .depends_on(STATES),
     Variable::output(
         "vehicle.speed",
@@ -157,6 +161,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.vehicle_speed,
         "V = r_w omega_w",
     )
+    .slope(|m| &mut m.y_rate.vehicle_speed)
     .depends_on(STATES),
     Variable::output(
         "vehicle.acceleration",
@@ -164,6 +169,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.vehicle_acceleration,
         "dV/dt",
     )
+    .slope(|m| &mut m.y_rate.vehicle_acceleration)
     .depends_on(LOAD),
     Variable::output(
         "vehicle.filteredAcceleration",
@@ -194,6 +200,7 @@ const TORQUES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.t_d,
         "T_d of (3): torque of the torsional damper",
     )
+    .slope(|m| &mut m.y_rate.t_d)
     .depends_on(STATES),
     Variable::output(
         ports::DRIVE_SHAFT_TORQUE,
@@ -201,6 +208,7 @@ const TORQUES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.t_o,
         "T_o of (10): torque of the drive shaft",
     )
+    .slope(|m| &mut m.y_rate.t_o)
     .depends_on(STATES),
     Variable::output(
         ports::LOAD_TORQUE,
@@ -208,6 +216,7 @@ const TORQUES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.t_v,
         "T_v of (11) with the brake, positive against forward motion",
     )
+    .slope(|m| &mut m.y_rate.t_v)
     .depends_on(LOAD),
     Variable::output(
         "energy.residual",
@@ -215,6 +224,7 @@ const TORQUES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.energy_residual,
         "Energy balance over the run: work in - stored - lost",
     )
+    .slope(|m| &mut m.y_rate.energy_residual)
     .depends_on(STATES),
 ];
 
@@ -231,6 +241,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
             |m: &mut Plant| &mut m.y.omega_c[I],
             "omega_c of (4), (5): speed of the input shaft",
         )
+        .slope(|m| &mut m.y_rate.omega_c[I])
         .depends_on(STATES),
         Variable::output(
             ports::CLUTCH_TORQUE[I],
@@ -238,6 +249,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
             |m: &mut Plant| &mut m.y.t_c[I],
             "T_c of (6), (7): torque through the clutch, positive when the engine drives",
         )
+        .slope(|m| &mut m.y_rate.t_c[I])
         .depends_on(ACTUATORS),
         Variable::output(
             shaft,
@@ -245,6 +257,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
             |m: &mut Plant| &mut m.y.t_t[I],
             "T_t of (4), (5): torque of the transfer shaft",
         )
+        .slope(|m| &mut m.y_rate.t_t[I])
         .depends_on(ACTUATORS),
         Variable::output(
             slip,
@@ -252,6 +265,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
             |m: &mut Plant| &mut m.y.slip[I],
             "Slip omega_d - omega_c, exactly 0 when engaged",
         )
+        .slope(|m| &mut m.y_rate.slip[I])
         .depends_on(STATES),
         Variable::enumeration_output(
             state,
@@ -266,6 +280,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
             |m: &mut Plant| &mut m.y.friction_power[I],
             "Friction power in the clutch",
         )
+        .slope(|m| &mut m.y_rate.friction_power[I])
         .depends_on(ACTUATORS),
         Variable::output(
             energy,
@@ -273,6 +288,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
             |m: &mut Plant| &mut m.y.friction_energy[I],
             "Friction energy in the clutch since the start",
         )
+        .slope(|m| &mut m.y_rate.friction_energy[I])
         .depends_on(STATES),
     ]
 }

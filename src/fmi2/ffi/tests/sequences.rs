@@ -144,11 +144,21 @@ impl Rig {
     }
 
     fn directional_derivative(&mut self) -> (Status, Status) {
-        let call = Call::GetDirectionalDerivative;
-        (
-            PROBE.not_offered(self.c, call, "derivatives"),
-            Status::Error,
-        )
+        let unknown = self.random.pick(&[Y, Y, U, NONE]);
+        let known = self.random.pick(&[U, U, Y, NONE]);
+        let (references, mut value) = ((&raw const unknown, &raw const known), f64::NAN);
+        // SAFETY: a live component; arrays of one.
+        let got =
+            unsafe { PROBE.directional_derivative(self.c, references, [1; 2], &1.0, &mut value) };
+        if got == Status::Ok {
+            assert_eq!(value, 0.0, "y depends on states only");
+        }
+        let wanted = match (unknown, known, self.shadow.state) {
+            (Y, U, State::Initialization) => self.shadow.initial_values(),
+            (Y, U, _) => Status::Ok,
+            _ => Status::Error,
+        };
+        (got, wanted)
     }
 
     fn set_debug_logging(&mut self) -> (Status, Status) {

@@ -1,0 +1,97 @@
+//! Directional derivatives: how the outputs change when the inputs move in a direction.
+
+use super::{Instance, distinct};
+use crate::value::{Value, find, finite};
+use crate::{Call, Causality, Error, Log, Model, Variable};
+
+/// Whether a model has directional derivatives: it computes them, or no output depends on an input.
+#[must_use]
+pub fn provides_directional_derivatives<M: Model>() -> bool {
+    let mut outputs = reals::<M>(Causality::Output);
+    M::TANGENT || outputs.all(|row| row.dependencies == Some(&[]))
+}
+
+fn reals<M: Model>(causality: Causality) -> impl Iterator<Item = &'static Variable<M>> {
+    let rows = M::VARIABLES.iter();
+    rows.filter(move |row| row.causality == causality && f64::field(&row.access).is_some())
+}
+
+impl<M: Model> Instance<M> {
+    /// `fmi2GetDirectionalDerivative`: Σ ∂unknown/∂known · direction, per unknown.
+    ///
+    /// `unknowns`: Real outputs. `knowns`: Real inputs; the others stay, and so does the state.
+    ///
+    /// # Errors
+    /// When the model has none, and for a reference that is no output or no input of type Real.
+    pub fn directional_derivative<'a>(
+        &mut self,
+        unknowns: &'a [u32],
+        knowns: &'a [u32],
+        direction: &[f64],
+        log: &mut Log<'_>,
+    ) -> Result<impl Iterator<Item = f64> + use<'a, M>, Error> {
+        self.permit(Call::GetDirectionalDerivative)?;
+        if !provides_directional_derivatives::<M>() {
+            return Err(Error::NotSupported("directional derivatives"));
+        }
+        distinct::<M>(knowns)?;
+        for &reference in unknowns {
+            of_causality::<M>(reference, Causality::Output)?;
+        }
+        for (&reference, &value) in knowns.iter().zip(direction) {
+            finite(of_causality::<M>(reference, Causality::Input)?.name, value)?;
+        }
+        self.refresh(log)?;
+        let mut seed = self.seed(knowns, direction);
+        self.now.model.tangent(&mut seed);
+        Ok(unknowns
+            .iter()
+            .filter_map(move |&reference| derivative(&mut seed, reference, knowns)))
+    }
+
+    /// The model with the direction in its Real inputs.
+    fn seed(&self, knowns: &[u32], direction: &[f64]) -> M {
+        let mut seed = self.now.model.clone();
+        for field in reals::<M>(Causality::Input).filter_map(|row| f64::field(&row.access)) {
+            *field(&mut seed) = 0.0;
+        }
+        for (&reference, &value) in knowns.iter().zip(direction) {
+            if let Ok((_, field)) = find::<M, f64>(M::VARIABLES, reference) {
+                *field(&mut seed) = value;
+            }
+        }
+        seed
+    }
+}
+
+/// The result for one output: 0 where its row says that it depends on none of the knowns.
+fn derivative<M: Model>(result: &mut M, unknown: u32, knowns: &[u32]) -> Option<f64> {
+    let (row, field) = find::<M, f64>(M::VARIABLES, unknown).ok()?;
+    let named = |known: &u32| {
+        let found = find::<M, f64>(M::VARIABLES, *known).ok()?;
+        Some(found.0.name)
+    };
+    let depends = |names: &[&str]| {
+        knowns
+            .iter()
+            .filter_map(named)
+            .any(|name| names.contains(&name))
+    };
+    if row.dependencies.is_none_or(depends) {
+        Some(*field(result))
+    } else {
+        Some(0.0)
+    }
+}
+
+fn of_causality<M: Model>(
+    reference: u32,
+    causality: Causality,
+) -> Result<&'static Variable<M>, Error> {
+    let (row, _) = find::<M, f64>(M::VARIABLES, reference)?;
+    if row.causality == causality {
+        Ok(row)
+    } else {
+        Err(Error::NotDifferentiable { variable: row.name })
+    }
+}
