@@ -3,10 +3,11 @@
 #![forbid(unsafe_code)]
 
 use clap::{Parser, Subcommand};
+use fmu_build::Report;
 use fmu_build::binary::Version;
 use fmu_build::library::Target;
 use std::io::{self, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Describes, builds and checks FMI 2.0 co-simulation FMUs.
@@ -93,6 +94,9 @@ enum Command {
         /// Oldest glibc that their Linux libraries shall run with, e.g. 2.17.
         #[arg(long, value_name = "VERSION")]
         glibc: Option<Version>,
+        /// Print one JSON object a line and FMU instead of sentences.
+        #[arg(long)]
+        json: bool,
     },
 }
 
@@ -132,7 +136,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
             out,
         } => fmu_build::replay(&fmu, &stimuli, step, &out)?,
         Command::Ssp { out } => ssp(out)?,
-        Command::Check { fmus, glibc } => return check(&fmus, glibc.as_ref()),
+        Command::Check { fmus, glibc, json } => return check(&fmus, glibc.as_ref(), json),
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -178,24 +182,17 @@ fn print_paths(paths: &[PathBuf]) -> io::Result<()> {
 fn check(
     fmus: &[PathBuf],
     glibc: Option<&Version>,
+    json: bool,
 ) -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut stdout = io::stdout().lock();
     let mut all_valid = true;
     for fmu in fmus {
         let report = fmu_build::check_for(fmu, glibc)?;
-        for finding in &report.findings {
-            writeln!(stdout, "{}: {finding}", fmu.display())?;
-        }
-        let verdict = if report.is_valid() {
-            "valid"
+        if json {
+            writeln!(stdout, "{}", report.to_json(fmu))?;
         } else {
-            "INVALID"
-        };
-        let (name, compared) = (fmu.display(), report.compared);
-        writeln!(
-            stdout,
-            "{name}: {verdict}, {compared} start values compared"
-        )?;
+            print_report(&mut stdout, fmu, &report)?;
+        }
         all_valid &= report.is_valid();
     }
     Ok(if all_valid {
@@ -203,6 +200,20 @@ fn check(
     } else {
         ExitCode::from(INVALID)
     })
+}
+
+fn print_report(to: &mut impl io::Write, fmu: &Path, report: &Report) -> io::Result<()> {
+    let name = fmu.display();
+    for finding in &report.findings {
+        writeln!(to, "{name}: {finding}")?;
+    }
+    let verdict = if report.is_valid() {
+        "valid"
+    } else {
+        "INVALID"
+    };
+    let compared = report.compared;
+    writeln!(to, "{name}: {verdict}, {compared} start values compared")
 }
 
 #[cfg(test)]

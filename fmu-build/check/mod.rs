@@ -9,6 +9,7 @@ mod audit;
 mod native;
 mod parsed;
 mod replay;
+mod roles;
 mod rules;
 mod run;
 mod stimuli;
@@ -22,6 +23,9 @@ use std::{fmt, fs};
 use unpack::Unpacked;
 
 pub use replay::replay;
+
+/// Some importers' XML parsers stop at it.
+const BYTE_ORDER_MARK: &str = "\u{feff}";
 
 /// What a check found.
 #[derive(Debug, Default)]
@@ -41,6 +45,27 @@ impl Report {
         self.findings
             .iter()
             .all(|finding| finding.severity != Severity::Error)
+    }
+
+    /// One JSON object: `fmu`, `model`, `valid`, `compared` and `findings`, each with `severity`,
+    /// `clause` and `text`.
+    #[must_use]
+    pub fn to_json(&self, fmu: &Path) -> String {
+        let findings = self.findings.iter().map(|finding| {
+            serde_json::json!({
+                "severity": finding.severity.word(),
+                "clause": finding.clause,
+                "text": finding.text,
+            })
+        });
+        serde_json::json!({
+            "fmu": fmu.display().to_string(),
+            "model": self.model,
+            "valid": self.is_valid(),
+            "compared": self.compared,
+            "findings": findings.collect::<Vec<_>>(),
+        })
+        .to_string()
     }
 
     fn error(&mut self, clause: &'static str, text: impl Into<String>) {
@@ -82,12 +107,18 @@ pub enum Severity {
     Remark,
 }
 
+impl Severity {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Remark => "remark",
+        }
+    }
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let severity = match self.severity {
-            Severity::Error => "error",
-            Severity::Remark => "remark",
-        };
+        let severity = self.severity.word();
         write!(f, "{severity} (FMI 2.0.4, {}): {}", self.clause, self.text)
     }
 }
@@ -112,7 +143,12 @@ pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
         model: description.model_name.clone(),
         ..Report::default()
     };
+    let file = unpacked.folder().join("modelDescription.xml");
+    if fs::read(&file).is_ok_and(|bytes| bytes.starts_with(BYTE_ORDER_MARK.as_bytes())) {
+        report.error("2.2", "modelDescription.xml begins with a byte order mark");
+    }
     rules::check(&description, &mut report);
+    roles::check(&description, &mut report);
     audit::check(unpacked.folder(), glibc, &mut report)?;
     check_library(&description, unpacked.folder(), &mut report)?;
     Ok(report)
@@ -126,7 +162,7 @@ fn opened(path: &Path) -> Result<(Unpacked, Description)> {
         path: "modelDescription.xml".into(),
         source,
     })?;
-    let description = parsed::parse(&text)?;
+    let description = parsed::parse(text.trim_start_matches(BYTE_ORDER_MARK))?;
     Ok((unpacked, description))
 }
 

@@ -12,6 +12,12 @@ pub(super) struct Description {
     pub model_name: String,
     #[serde(rename = "@guid")]
     pub guid: String,
+    #[serde(rename = "DefaultExperiment", default)]
+    pub experiment: Experiment,
+    #[serde(rename = "TypeDefinitions", default)]
+    pub types: TypeDefinitions,
+    #[serde(rename = "LogCategories", default)]
+    pub log: LogCategories,
     #[serde(rename = "CoSimulation")]
     pub co_simulation: Option<CoSimulation>,
     #[serde(rename = "UnitDefinitions", default)]
@@ -28,6 +34,11 @@ impl Description {
         &self.variables.variables
     }
 
+    /// Names of the units, in their order.
+    pub fn units(&self) -> impl Iterator<Item = &str> {
+        self.units.units.iter().map(|unit| unit.name.as_str())
+    }
+
     /// Whether a unit of this name is defined.
     pub fn has_unit(&self, name: &str) -> bool {
         self.units.units.iter().any(|unit| unit.name == name)
@@ -38,6 +49,69 @@ impl Description {
 pub(super) struct CoSimulation {
     #[serde(rename = "@modelIdentifier")]
     pub model_identifier: String,
+    #[serde(rename = "@canGetAndSetFMUstate", default)]
+    pub can_save: bool,
+    #[serde(rename = "@canSerializeFMUstate", default)]
+    pub can_serialize: bool,
+}
+
+/// `DefaultExperiment`.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Experiment {
+    #[serde(rename = "@startTime")]
+    pub start: Option<f64>,
+    #[serde(rename = "@stopTime")]
+    pub stop: Option<f64>,
+    #[serde(rename = "@stepSize")]
+    pub step: Option<f64>,
+    #[serde(rename = "@tolerance")]
+    pub tolerance: Option<f64>,
+}
+
+/// `TypeDefinitions`.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct TypeDefinitions {
+    #[serde(rename = "SimpleType", default)]
+    pub types: Vec<SimpleType>,
+}
+
+/// A type that variables may name.
+#[derive(Debug, Deserialize)]
+pub(super) struct SimpleType {
+    #[serde(rename = "@name")]
+    pub name: String,
+    #[serde(rename = "Enumeration")]
+    pub enumeration: Option<Enumeration>,
+}
+
+/// The values of an enumeration.
+#[derive(Debug, Deserialize)]
+pub(super) struct Enumeration {
+    #[serde(rename = "Item", default)]
+    pub items: Vec<Item>,
+}
+
+/// One value of an enumeration.
+#[derive(Debug, Deserialize)]
+pub(super) struct Item {
+    #[serde(rename = "@name")]
+    pub name: String,
+    #[serde(rename = "@value")]
+    pub value: i32,
+}
+
+/// `LogCategories`.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct LogCategories {
+    #[serde(rename = "Category", default)]
+    pub categories: Vec<Category>,
+}
+
+/// A log category.
+#[derive(Debug, Deserialize)]
+pub(super) struct Category {
+    #[serde(rename = "@name")]
+    pub name: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -66,6 +140,8 @@ pub(super) struct ScalarVariable {
     pub value_reference: u32,
     #[serde(rename = "@causality", default = "local")]
     pub causality: String,
+    #[serde(rename = "@variability", default = "continuous")]
+    pub variability: String,
     #[serde(rename = "@initial")]
     pub initial: Option<String>,
     #[serde(rename = "Real")]
@@ -80,6 +156,10 @@ pub(super) struct ScalarVariable {
     enumeration: Option<Attributes>,
 }
 
+fn continuous() -> String {
+    "continuous".into()
+}
+
 fn local() -> String {
     "local".into()
 }
@@ -89,6 +169,14 @@ fn local() -> String {
 pub(super) struct Attributes {
     #[serde(rename = "@unit")]
     pub unit: Option<String>,
+    #[serde(rename = "@displayUnit")]
+    pub display_unit: Option<String>,
+    #[serde(rename = "@declaredType")]
+    pub declared_type: Option<String>,
+    #[serde(rename = "@nominal")]
+    pub nominal: Option<f64>,
+    #[serde(rename = "@derivative")]
+    pub derivative: Option<usize>,
     #[serde(rename = "@min")]
     pub min: Option<f64>,
     #[serde(rename = "@max")]
@@ -98,7 +186,7 @@ pub(super) struct Attributes {
 }
 
 /// How a variable is read through the C interface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kind {
     Real,
     Integer,
@@ -107,6 +195,11 @@ pub(super) enum Kind {
 }
 
 impl ScalarVariable {
+    /// Whether its type is an enumeration.
+    pub fn is_enumeration(&self) -> bool {
+        self.enumeration.is_some()
+    }
+
     /// Type at the C interface and attributes; `None` without a type element.
     pub fn kind(&self) -> Option<(Kind, &Attributes)> {
         let typed = [
@@ -126,6 +219,8 @@ impl ScalarVariable {
 pub(super) struct ModelStructure {
     #[serde(rename = "Outputs", default)]
     pub outputs: Unknowns,
+    #[serde(rename = "Derivatives", default)]
+    pub derivatives: Unknowns,
     #[serde(rename = "InitialUnknowns", default)]
     pub initial_unknowns: Unknowns,
 }
@@ -142,6 +237,8 @@ pub(super) struct Unknown {
     pub index: usize,
     #[serde(rename = "@dependencies")]
     pub dependencies: Option<String>,
+    #[serde(rename = "@dependenciesKind")]
+    pub dependencies_kind: Option<String>,
 }
 
 pub(super) fn parse(text: &str) -> Result<Description> {
