@@ -1,0 +1,111 @@
+//! The table of PAPER.md: what errors of sensors and parameters cost every observer method.
+//!
+//! `cargo run --release -p dct-driveline --example robustness` prints it as Markdown: RMSE in % of the RMS
+//! torque, T_c1/T_c2/T_o, at 1 kHz, friction case 1, momentum load.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::print_stdout,
+    dead_code,
+    reason = "a program on the bench of the tests"
+)]
+
+#[path = "../tests/bench/mod.rs"]
+mod bench;
+
+use bench::sensors::{delayed, dropping, encoder, noisy, perfect, torque_error, wheel_bias};
+use bench::{Drive, observe, scenarios};
+use dct_driveline::Params;
+use dct_driveline::observer::{Method, Sample, Selected, Settings};
+
+/// Communication step [s].
+const H: f64 = 1e-3;
+
+/// One error: its name, what the observer believes, what the sensors read.
+struct Error {
+    name: &'static str,
+    believed: fn(&mut Params),
+    sensors: fn() -> Box<dyn FnMut(Sample) -> Sample>,
+}
+
+const fn sensor(name: &'static str, sensors: fn() -> Box<dyn FnMut(Sample) -> Sample>) -> Error {
+    let believed = |_: &mut Params| {};
+    Error {
+        name,
+        believed,
+        sensors,
+    }
+}
+
+const fn parameter(name: &'static str, believed: fn(&mut Params)) -> Error {
+    let sensors = || -> Box<dyn FnMut(Sample) -> Sample> { Box::new(perfect) };
+    Error {
+        name,
+        believed,
+        sensors,
+    }
+}
+
+/// Every error by itself.
+const ERRORS: [Error; 20] = [
+    sensor("none", || Box::new(perfect)),
+    sensor("noise 0.1 rad/s on speeds", || Box::new(noisy(0.1, 1))),
+    sensor("encoders of 4096 ticks", || Box::new(encoder(4096.0, H))),
+    sensor("encoders of 1024 ticks", || Box::new(encoder(1024.0, H))),
+    sensor("wheel speed +0.01 rad/s", || Box::new(wheel_bias)),
+    sensor("T_e +5 % +2 N·m", || Box::new(torque_error)),
+    sensor("speeds one step late", || Box::new(delayed())),
+    sensor("1 % of the samples dropped", || Box::new(dropping(1))),
+    parameter("J_e +20 %", |p| p.j_e *= 1.2),
+    parameter("J_e −20 %", |p| p.j_e *= 0.8),
+    parameter("J_v +20 %", |p| p.j_v *= 1.2),
+    parameter("J_v −20 %", |p| p.j_v *= 0.8),
+    parameter("J_ct +20 %", |p| p.j_ct = p.j_ct.map(|j| 1.2 * j)),
+    parameter("J_ct −20 %", |p| p.j_ct = p.j_ct.map(|j| 0.8 * j)),
+    parameter("k_o +10 %", |p| p.k_o *= 1.1),
+    parameter("k_o −10 %", |p| p.k_o *= 0.9),
+    parameter("c_o +20 %", |p| p.c_o *= 1.2),
+    parameter("c_o −20 %", |p| p.c_o *= 0.8),
+    parameter("M_v +10 %", |p| p.road.m_v *= 1.1),
+    parameter("M_v −10 %", |p| p.road.m_v *= 0.9),
+];
+
+/// RMSE of a method under an error, as a cell of the table [% of RMS].
+fn cell(method: Method, drive: &Drive, error: &Error) -> String {
+    let mut believed = drive.p;
+    (error.believed)(&mut believed);
+    let (mut observer, settings) = (Selected::new(method), Settings::CASE_1);
+    let sensors = (error.sensors)();
+    let score = observe(
+        drive,
+        &mut observer,
+        &believed,
+        &settings,
+        sensors,
+        |_, _| {},
+    );
+    score.percent().map(rounded).join("/")
+}
+
+/// Two significant figures; a whole number from 10 on.
+fn rounded(percent: f64) -> String {
+    let digits = usize::from(percent < 9.95);
+    format!("{percent:.digits$}")
+}
+
+fn print(drive: &Drive) {
+    let names = Method::ALL.map(|method| format!("{method:?}").to_lowercase());
+    println!("\n| {} | {} |", drive.name, names.join(" | "));
+    println!("| --- | --- | --- | --- | --- | --- |");
+    for error in &ERRORS {
+        let cells = Method::ALL.map(|method| cell(method, drive, error));
+        println!("| {} | {} |", error.name, cells.join(" | "));
+    }
+}
+
+fn main() {
+    for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(2)] {
+        print(&scenario.drive(H));
+    }
+}
