@@ -50,9 +50,9 @@ impl Params {
     ///
     /// Arrangement of Volkswagen's 0AM (DQ200), self-study programme 390, p. 14: gears 1, 3, 5, 7 behind
     /// clutch 1, gears 2, 4, 6 behind clutch 2, gears 1-4 on output shaft 1, 5-7 on output shaft 2.
-    /// Ratios: data sheets of cars with it (3.765 2.273 1.531 1.122 1.176 0.951 0.795, final drives 4.438 and
-    /// 3.227); here both shafts have the final drive of output shaft 1, so the ratios of gears 5-7 are
-    /// theirs times 3.227/4.438.
+    /// `assumed:` ratios in the range of cars with it, not checked against a document (3.765 2.273 1.531
+    /// 1.122 1.176 0.951 0.795, final drives 4.438 and 3.227); here both shafts have the final drive of
+    /// output shaft 1, so the ratios of gears 5-7 are theirs times 3.227/4.438.
     /// `assumed:` everything else, a compact car of 1320 kg: J_e, J_d, J_ct, J_o, vehicle, and r_c N as two
     /// surfaces at 97.5 mm; k_d, c_d, k_t, c_t, k_o, c_o, the maps and the road as in preset `paper`.
     pub const DRY_7: Self = Self {
