@@ -149,7 +149,7 @@ def differences(found: dict[str, float], wanted: dict[str, float]) -> dict[str, 
 
     Enumerations are left out: neither ecos nor libcosim offers them.
     """
-    names = [name for name in wanted if not name.endswith(".state")]
+    names = [name for name in wanted if not name.endswith((".state", ".phase"))]
     assert names
     pairs = {name: (found.get(name), wanted[name]) for name in names}
     return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}

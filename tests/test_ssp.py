@@ -15,6 +15,12 @@ from importer_cases import CONNECTIONS, FMUS, MODELS, ROOT, fmu
 from lxml import etree
 
 NAMES = {"DctPlant": "plant", "DctObserver": "observer", "DctClutchControl": "control"}
+# What the control reads beside that, for its torque feedback.
+FEEDBACK = {
+    *(("plant", name) for name in ("engine.speed", "clutch1.speed", "clutch2.speed")),
+    *(("observer", name) for name in ("clutch1.torque", "clutch2.torque", "driveShaft.torque")),
+    ("observer", "status.valid"),
+}
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 SCHEMA = Path(fmpy.__file__).parent / "schema/fmi3/fmi3TerminalsAndIcons.xsd"
 
@@ -50,7 +56,8 @@ def test_it_holds_the_fmus_as_they_are(archive: Path) -> None:
 
 def test_outputs_are_connected_to_the_inputs_of_their_names(system: System) -> None:
     inner = {(s, n, t, n) for s, n, t, _ in _ends(system.connections) if s is not None}
-    assert inner == {(NAMES[s], name, NAMES[t], name) for s, t, name in CONNECTIONS}
+    loop = {(NAMES[s], name, NAMES[t], name) for s, t, name in CONNECTIONS}
+    assert inner == loop | {(s, name, "control", name) for s, name in FEEDBACK}
 
 
 def test_every_input_has_exactly_one_source(system: System) -> None:

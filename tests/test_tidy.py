@@ -108,9 +108,9 @@ def test_the_fmi_room_never_meets_a_clutch() -> None:
 
 
 def _driveline() -> list[str]:
-    """Return the files of the driveline that are no tests."""
+    """Return the files of the driveline that are neither tests nor programs."""
     names = (n for n in _files(".rs") if n.startswith("src/driveline/"))
-    return [n for n in names if "/tests/" not in n and "/benches/" not in n]
+    return [n for n in names if not any(f"/{d}/" in n for d in ("tests", "benches", "examples"))]
 
 
 def test_the_driveline_never_meets_fmi() -> None:
