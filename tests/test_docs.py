@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from dct_harness.kpi import KPIS
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs" / "pages"
+RESULTS = ROOT / "target" / "docs-run"  # where every page puts them
 BLOCK = re.compile(r"^```sh\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FOREIGN = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="https?://([^"/]+)')
 
@@ -59,6 +61,7 @@ def test_generated_pages_hold_every_verb_kpi_and_table(site: Path) -> None:
     str(p.relative_to(PAGES)) for p in PAGES.rglob("*.md") if BLOCK.search(p.read_text("utf-8"))
 ))  # fmt: skip
 def test_commands_of_a_page_work_in_their_order(name: str) -> None:
+    shutil.rmtree(RESULTS, ignore_errors=True)  # of an earlier test: the reader has none either
     commands = "".join(BLOCK.findall((PAGES / name).read_text(encoding="utf-8")))
     done = subprocess.run(
         ["bash", "-euc", commands], cwd=ROOT, env=environment(), capture_output=True, text=True,
