@@ -27,6 +27,8 @@ pub struct Params {
     pub c_t: [f64; 2],
     /// i_t of every gear, per shaft, lowest gear first; 0 where no gear is fitted [1].
     pub i_t: [[f64; GEARS_PER_SHAFT]; 2],
+    /// i_t of the reverse gear per shaft, ≥ 0: the output turns the other way; 0 where none is fitted [1].
+    pub i_r: [f64; 2],
     /// i_f1, i_f2 of (8): final-drive ratio per shaft [1].
     pub i_f: [f64; 2],
     /// J_o of (8): inertia of the output shaft [kg·m²].
@@ -139,6 +141,7 @@ impl Params {
         k_t: [3.0e4, 3.0e4],
         c_t: [20.0, 20.0],
         i_t: [[3.0, 0.0, 0.0, 0.0], [2.4, 0.0, 0.0, 0.0]],
+        i_r: [0.0, 0.0],
         i_f: [6.0, 4.8],
         j_o: 0.04,
         k_o: 4887.0,
@@ -174,10 +177,17 @@ impl Params {
         rigid: false,
     };
 
+    /// Number of the reverse gear of either shaft.
+    pub const REVERSE: i32 = -1;
+
     /// Ratio i_t of the gear preselected on a shaft [1]; 0 in neutral and for a gear not fitted.
     ///
-    /// `shaft`: 0 carries gears 1, 3, 5, 7 and 1 carries 2, 4, 6, 8. `gear`: number of the gear.
+    /// `shaft`: 0 carries gears 1, 3, 5, 7 and 1 carries 2, 4, 6, 8. `gear`: number of the gear, or
+    /// [`Self::REVERSE`], whose ratio is below 0.
     pub fn i_t(&self, shaft: usize, gear: i32) -> f64 {
+        if gear == Self::REVERSE {
+            return self.i_r.get(shaft).map_or(0.0, |ratio| 0.0 - ratio);
+        }
         let position = usize::try_from(gear)
             .ok()
             .and_then(|gear| gear.checked_sub(shaft + 1));
@@ -247,6 +257,7 @@ mod tests {
             (1, 1, 0.0),
             (0, 0, 0.0),
             (1, -1, 0.0),
+            (0, -2, 0.0),
         ];
         for (shaft, gear, ratio) in cases {
             assert_eq!(P.i_t(shaft, gear), ratio, "shaft {shaft} gear {gear}");

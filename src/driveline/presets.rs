@@ -49,10 +49,11 @@ impl Params {
     /// Preset `dry7`: seven gears, dry clutches moved by a position.
     ///
     /// Arrangement of Volkswagen's 0AM (DQ200), self-study programme 390, p. 14: gears 1, 3, 5, 7 behind
-    /// clutch 1, gears 2, 4, 6 behind clutch 2, gears 1-4 on output shaft 1, 5-7 on output shaft 2.
-    /// `assumed:` ratios in the range of cars with it, not checked against a document (3.765 2.273 1.531
-    /// 1.122 1.176 0.951 0.795, final drives 4.438 and 3.227); here both shafts have the final drive of
-    /// output shaft 1, so the ratios of gears 5-7 are theirs times 3.227/4.438.
+    /// clutch 1, gears 2, 4, 6 and reverse behind clutch 2, gears 1-4 on output shaft 1, the others on
+    /// output shaft 2. `assumed:` ratios in the range of cars with it, not checked against a document
+    /// (3.765 2.273 1.531 1.122 1.176 0.951 0.795, reverse 4.17, final drives 4.438 and 3.227); here both
+    /// shafts have the final drive of output shaft 1, so the ratios of gears 5-7 and R are theirs times
+    /// 3.227/4.438.
     /// `assumed:` everything else, a compact car of 1320 kg: J_e, J_d, J_ct, J_o, vehicle, and r_c N as two
     /// surfaces at 97.5 mm; k_d, c_d, k_t, c_t, k_o, c_o, the maps and the road as in preset `paper`.
     pub const DRY_7: Self = Self {
@@ -63,6 +64,7 @@ impl Params {
             [3.765, 1.531, 1.176 * DRY_7_UPPER, 0.795 * DRY_7_UPPER],
             [2.273, 1.122, 0.951 * DRY_7_UPPER, 0.0],
         ],
+        i_r: [0.0, 4.17 * DRY_7_UPPER],
         i_f: [DRY_7_FINAL, DRY_7_FINAL],
         j_o: 0.05,
         j_v: 1320.0 * 0.308 * 0.308 + 4.0 * 0.9,

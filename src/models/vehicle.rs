@@ -175,10 +175,18 @@ pub(crate) const fn compliance<M: Vehicle>() -> [Variable<M>; 7] {
 }
 
 /// Ratios and inertia of shaft `I`.
-pub(crate) const fn shaft<M: Vehicle, const I: usize>() -> [Variable<M>; 2 + GEARS_PER_SHAFT] {
+pub(crate) const fn shaft<M: Vehicle, const I: usize>() -> [Variable<M>; 3 + GEARS_PER_SHAFT] {
     let names = [
-        ["shaft1.finalDriveRatio", "clutch1.inertia"],
-        ["shaft2.finalDriveRatio", "clutch2.inertia"],
+        [
+            "shaft1.finalDriveRatio",
+            "clutch1.inertia",
+            "shaft1.reverseRatio",
+        ],
+        [
+            "shaft2.finalDriveRatio",
+            "clutch2.inertia",
+            "shaft2.reverseRatio",
+        ],
     ][I];
     [
         positive(
@@ -197,6 +205,12 @@ pub(crate) const fn shaft<M: Vehicle, const I: usize>() -> [Variable<M>; 2 + GEA
         gear::<M, I, 1>(),
         gear::<M, I, 2>(),
         gear::<M, I, 3>(),
+        not_negative(
+            names[2],
+            Unit::ONE,
+            |m: &mut M| &mut m.params().i_r[I],
+            "i_t of the reverse gear, which turns the output the other way; 0: none",
+        ),
     ]
 }
 

@@ -160,6 +160,35 @@ fn impulse_in_a_clutch_keeps_momentum() {
     }
 }
 
+/// The engine drives the vehicle backwards through a reverse gear, with the energy balance closed.
+#[test]
+fn a_reverse_gear_drives_backwards() {
+    for rigid in [false, true] {
+        let p = Params {
+            rigid,
+            ..Params::DRY_7
+        };
+        let input = Input {
+            t_e: 60.0,
+            force: [0.0, 1500.0],
+            gear: [1, Params::REVERSE],
+            ..Input::default()
+        };
+        let mut propagators = Propagators::new(&p, input.gear, H);
+        let mut plant = Plant::start(&p, &input, 120.0, 0.0);
+        for _ in 0..3000 {
+            plant.step(&p, &mut propagators, &input, &InputRate::default());
+        }
+        let y = plant.outputs(&p, &propagators.systems, &input);
+        let ratio = y.omega_c[1] / y.omega_o;
+        assert!(y.vehicle_speed < -2.0, "{} m/s", y.vehicle_speed);
+        assert_eq!(y.state[1], ClutchState::Engaged);
+        assert!((ratio / p.g(input.gear)[1] - 1.0).abs() < 1e-3, "{ratio}");
+        let residual = y.energy_residual.abs();
+        assert!(residual < 1e-9 * plant.work.engine, "{residual} J");
+    }
+}
+
 /// The same vehicle with its two clutches and shafts swapped.
 fn mirrored(p: &Params) -> Params {
     let mut mirror = *p;

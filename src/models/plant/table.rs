@@ -113,11 +113,11 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Plant>; 3] {
             ports::SHAFT_GEAR[I],
             |m: &mut Plant| &mut m.gear[I],
             [
-                "Gear preselected on the odd shaft: 1, 3, 5, 7; 0 is neutral",
-                "Gear preselected on the even shaft: 2, 4, 6, 8; 0 is neutral",
+                "Gear preselected on the odd shaft: 1, 3, 5, 7; 0 is neutral, -1 reverse",
+                "Gear preselected on the even shaft: 2, 4, 6, 8; 0 is neutral, -1 reverse",
             ][I],
         )
-        .min(0.0)
+        .min(-1.0)
         .max(8.0),
     ]
 }
