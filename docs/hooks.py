@@ -12,6 +12,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).resolve().parent.parent
+SCHEMAS = ROOT / "tests/harness/dct_harness/schema"
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -22,6 +23,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         "reference/variables.md": _text("modelDescription/VARIABLES.md"),
         "paper.md": _text("PAPER.md"),
     }
+    pages |= {f"schema/{p.name}": p.read_text(encoding="utf-8") for p in SCHEMAS.glob("*.json")}
     for uri, content in pages.items():
         files.append(File.generated(config, uri, content=content))
     return files

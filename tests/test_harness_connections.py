@@ -84,7 +84,7 @@ def test_equal_name_of_two_components_must_be_chosen(tmp_path: Path, lag_library
 def test_two_sources_of_one_input_are_refused(tmp_path: Path, lag_library: Path) -> None:
     twice = LINK.format("plant.x", "observer.v") + LINK.format("scenario.u", "observer.v")
     said = refused(pair(tmp_path, lag_library, (variable("v", 0, "input", "0"),), twice))
-    assert "'observer.v' has two sources; keep one" in said
+    assert "s.toml:15:1: connections: 'observer.v' has two sources (the other one: " in said
 
 
 def test_integers_and_booleans_arrive_as_they_are(tmp_path: Path, lag_library: Path) -> None:

@@ -95,8 +95,8 @@ def test_a_code_without_a_row_ends_the_run_with_its_time(tmp_path: Path, supplie
     ("slipping =", "sliping =", "'clutch1.state' has no item 'sliping' (disengaged, slipping"),
     ("[10, 28]", "[10, 14]", "gives one value of theirs two meanings"),
     ('derive = "vehicle.speed"', 'derive = "x"', "outputs.wheel.speed: can be derived:"),
-    ("factor = -1", "factr = -1", "m.toml:6: outputs.vehicle.speed"),
-    ("[inputs]", "[input]", "m.toml:2: (top level)"),
+    ("factor = -1", "factr = -1", "m.toml:6:52: outputs.vehicle.speed"),
+    ("[inputs]", "[input]", "m.toml:2:1: (top level)"),
     ("[parameters]", 'share = ["observr"]\n[parameters]', "outputs.share"),
     ("\n[inputs]", 'share = ["observr"]\n[inputs]', "no component 'observr'. Did you mean"),
 ])  # fmt: skip

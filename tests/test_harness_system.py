@@ -1,35 +1,94 @@
-"""System files: what is refused, with file, key and remedy; limits of their own."""
+"""System files: what is refused, with file, line, column and remedy; limits of their own."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from dct_harness import system
 from dct_harness.errors import ConfigError
-from harness_fixture.lag_fmu import write_system
+from harness_fixture.lag_fmu import run, write_system
 
 LIMIT = '[[kpis]]\nkpi = "{}"\nsignal = "clutch1.torque"\n{}\n'
 
 
 @pytest.mark.parametrize(("old", "new", "said"), [
-    ("step = 0.001", "step = 0", "system.step: 0 is less than or equal to the minimum of 0."),
-    ("step = 0.001", "steps = 0.001", "('steps' was unexpected). Did you mean 'step'?"),
-    ("step = 0.001\n", "", "system: 'step' is a required property."),
-    ("stop = 1.0", "stop = 'long'", "system.stop: 'long' is not of type 'number'."),
+    ("step = 0.001", "step = 0", "3:1: system.step: 0 is less than or equal to the minimum of 0. "
+     "It is: communication step [s]."),
+    ("step = 0.001", "steps = 0.001", "3:1: system: Additional properties are not allowed "
+     "('steps' was unexpected). Did you mean 'step'?"),
+    ("step = 0.001", "step = 0.001\nzz = 1", "4:1: system: Additional properties are not allowed "
+     "('zz' was unexpected). Known here: name, title, step, coupling, stop, scenario."),
+    ("step = 0.001\n", "", "1:1: system: 'step' is a required property. "
+     "Add step = … (communication step [s])."),
+    ("stop = 1.0", "stop = 'long'", "4:1: system.stop: 'long' is not of type 'number'. "
+     "It is: end of the run [s]."),
+    ("stop = 1.0", "stop = 1.0\ncoupling = 'gauss-siedel'",
+     "5:1: system.coupling: 'gauss-siedel' is not one of ['gauss-seidel', 'jacobi']. "
+     "Did you mean 'gauss-seidel'?"),
     ('fmu = "Lag.fmu"', 'fum = "Lag.fmu"', "('fum' was unexpected). Did you mean 'fmu'?"),
-    ("components.plant", "components.scenario", "components: 'scenario' does not match"),
-    ("[system]", "[system", "is not valid TOML: "),
+    ("components.plant", "components.scenario", "6:1: components: 'scenario' does not match"),
+    ("[system]", "[system", "1:8: is not valid TOML: Expected ']' at the end of a table"),
 ])  # fmt: skip
-def test_what_the_schema_forbids_names_key_and_remedy(
+def test_what_the_schema_forbids_names_place_key_and_remedy(
     tmp_path: Path, old: str, new: str, said: str
 ) -> None:
     path = write_system(tmp_path)
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(ConfigError) as caught:
         system.load(path)
-    assert str(caught.value).startswith(f"{path}: ")
+    assert str(caught.value).startswith(f"{path}:")
     assert said in str(caught.value)
+
+
+WIRE = '[[connections]]\nfrom = "{}"\nto = "{}"\n'
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    (WIRE.format("scenario.u", "plant.v"), ":10:1: connections: no 'plant.v'. Did you mean"),
+    (WIRE.format("scenario.v", "plant.u"), ":9:1: connections: no 'scenario.v'. Did you mean"),
+    (2 * WIRE.format("scenario.u", "plant.u"), ":13:1: connections: 'plant.u' has two sources "
+     "(the other one: {}:10:1); keep one"),
+    ("parameters.tua = 2.0\n", ":8:12: component 'plant': {folder}/Lag.fmu has no 'tua'. Did you"),
+    ("[components.plant.parameters]\ntau = true", ":9:1: component 'plant': 'tau' is Real, got"),
+    ("parameters = [{tau = 1.0}, {tau = 'a'}]", ":8:29: component 'plant': 'tau' is Real, got 'a'"),
+    ("[components.other]\nfmu = 'None.fmu'", ":9:1: {folder}/None.fmu: cannot read the FMU: No "
+     "such file or directory (--fmu-dir says where FMUs are)"),
+    (LIMIT.format("estimation.rmes", "max = 1"), ":9:1: kpis: no KPI 'estimation.rmes'. Did you"),
+])  # fmt: skip
+def test_a_name_that_nothing_has_is_told_with_its_line(
+    tmp_path: Path, lag_dir: Path, more: str, said: str
+) -> None:
+    path = write_system(tmp_path)
+    path.write_text(path.read_text() + more)
+    done = run(path, lag_dir)
+    assert done.returncode == 2, done.stderr
+    assert f"dct-harness: {path}{said.format(path, folder=lag_dir)}" in done.stderr
+
+
+def test_a_value_of_the_command_line_has_no_line_of_the_file(tmp_path: Path, lag_dir: Path) -> None:
+    path = write_system(tmp_path)
+    path.write_text(path.read_text() + "parameters.tau = 2.0\n")
+    done = run(path, lag_dir, "--set", "plant.tau=soon")
+    assert done.stderr == "dct-harness: component 'plant': 'tau' is Real, got 'soon'\n"
+
+
+@pytest.mark.parametrize(("schema", "folder", "count"), [
+    ("system", "closed_loop", 5), ("mapping", "supplier_plant", 2),
+])  # fmt: skip
+def test_published_schemas_accept_the_shipped_files(
+    repo_root: Path, schema: str, folder: str, count: int
+) -> None:
+    """By a checker of its own, which also checks that the schema is one."""
+    path = repo_root / f"tests/harness/dct_harness/schema/{schema}.schema.json"
+    files = sorted((repo_root / "examples" / folder).glob("*.toml"))
+    assert len(files) >= count
+    tool = [sys.executable, "-m", "check_jsonschema"]
+    for command in (["--check-metaschema", path], ["--schemafile", path, *files]):
+        done = subprocess.run([*tool, *command], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(("option", "said"), [
@@ -57,9 +116,10 @@ def test_override_reads_values_as_toml_or_text(tmp_path: Path, text: str, value:
 
 @pytest.mark.parametrize(("kpi", "bound", "said"), [
     ("estimation.rmes", "max = 1", "kpis: no KPI 'estimation.rmes'. Did you mean"),
-    ("estimation.rmse", "", "kpis.0: "),
-    ("estimation.rmse", "min = 1\nmax = 2", "kpis.0: "),
-    ("estimation.rmse", "max = '1'", "kpis.0.max: '1' is not of type 'number'."),
+    ("estimation.rmse", "", "8:1: kpis.0: needs exactly one of min, max."),
+    ("estimation.rmse", "min = 1\nmax = 2", "8:1: kpis.0: needs exactly one of min, max."),
+    ("estimation.rmse", "max = '1'", "11:1: kpis.0.max: '1' is not of type 'number'. It is: "
+     "in the KPI's unit."),
 ])  # fmt: skip
 def test_limit_that_says_nothing_is_refused(
     tmp_path: Path, kpi: str, bound: str, said: str

@@ -23,10 +23,11 @@ def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[st
     known = outputs | {f"scenario.{name}" for name in signals}
     inputs = {f"{n}.{v.name}": v.name for n, f in fmus.items() for v in f.inputs}
     for target, source in system.connections.items():
-        for end, names in ((target, inputs), (source, known)):
+        for key, end, names in (("to", target, inputs), ("from", source, known)):
             if end not in names:
                 raise ConfigError(
-                    f"{system.path}: connections: no '{end}'.{did_you_mean(end, names)}"
+                    f"{system.at_connection(target, key)}: connections: no '{end}'."
+                    f"{did_you_mean(end, names)}"
                 )
     found = {}
     for target, variable in inputs.items():
@@ -43,18 +44,19 @@ def _source(
 ) -> str:
     """Return the one equal-named output of another component, else the scenario's signal."""
     others = (n for n in system.components if n != component)
+    what = f"{system.at('components', component)}: '{component}.{variable}'"
     equal = [f"{n}.{variable}" for n in others if f"{n}.{variable}" in outputs]
     if component == "control" and equal == [f"plant.{variable}", f"observer.{variable}"]:
         equal = equal[1:]
     if len(equal) > 1:
         raise ConfigError(
-            f"{system.path}: '{component}.{variable}' has several sources ({', '.join(equal)}); "
+            f"{what} has several sources ({', '.join(equal)}); "
             "choose one with a [[connections]] entry"
         )
     signal = equal[0] if equal else f"scenario.{variable}"
     if signal not in known:
         raise ConfigError(
-            f"{system.path}: '{component}.{variable}' has no source: add a column '{variable}' to "
+            f"{what} has no source: add a column '{variable}' to "
             f"{system.scenario}, a [[connections]] entry, or a value under "
             f"components.{component}.parameters.{did_you_mean(signal, known)}"
         )
@@ -77,9 +79,16 @@ def check_types(
             _check_column(script, name, target, typed[target])
         elif typed[source] != typed[target] and not _converted(system, target):
             raise ConfigError(
-                f"{system.path}: '{source}' is {typed[source]} but '{target}' is {typed[target]}; "
-                "choose another source with a [[connections]] entry"
+                f"{_place(system, target)}: '{source}' is {typed[source]} but '{target}' is "
+                f"{typed[target]}; choose another source with a [[connections]] entry"
             )
+
+
+def _place(system: System, target: str) -> str:
+    """Return where a connection stands, or the component whose input found it by its name."""
+    if target in system.connections:
+        return system.at_connection(target, "from")
+    return system.at("components", target.partition(".")[0])
 
 
 def _converted(system: System, target: str) -> bool:

@@ -13,7 +13,14 @@ class HarnessError(Exception):
 
 
 class ConfigError(HarnessError):
-    """A system file, scenario or option is wrong (exit code 2)."""
+    """A system file, scenario or option is wrong (exit code 2).
+
+    `variable`: of a component, where its value is what is wrong.
+    """
+
+    def __init__(self, message: str, variable: str = "") -> None:
+        super().__init__(message)
+        self.variable = variable
 
 
 class FmuInvalidError(HarnessError):

@@ -126,7 +126,8 @@ class Fmu:
     def _set_start(self, name: str, value: Any) -> None:
         if name not in self.variables:
             hint = did_you_mean(name, self.variables)
-            raise ConfigError(f"component '{self.name}': {self.path} has no '{name}'.{hint}")
+            what = f"component '{self.name}': {self.path} has no '{name}'.{hint}"
+            raise ConfigError(what, name)
         variable = self.variables[name]
         value = single.start_value(self.name, variable, value)
         setter = getattr(self._slave, f"set{group_of(variable)}")

@@ -91,8 +91,8 @@ class Mapped:
             hint = did_you_mean(name, self._set)
             raise ConfigError(
                 f"{self._mapping.path}: parameters: nothing stands for '{name}' = {value!r} of "
-                f"the system; map it, or list it in 'ignore'.{hint}"
-            )
+                f"the system; map it, or list it in 'ignore'.{hint}", name,
+            )  # fmt: skip
         return name, value
 
     def shared(self, values: dict[str, Any]) -> dict[str, float]:

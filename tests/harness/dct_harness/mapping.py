@@ -64,7 +64,7 @@ class Mapping:
 
 def load(path: Path) -> Mapping:
     """Read and check a mapping file; errors name file, line, key and remedy."""
-    data = tomlfile.read(path, "mapping", "mapping.schema.json")
+    data = tomlfile.read(path, "mapping", "mapping.schema.json").data
     contract = plant_contract()
     tables = {}
     for section in ("inputs", "outputs", "extra", "parameters"):

@@ -13,7 +13,7 @@ import numpy as np
 from . import scenario as scenarios
 from .connections import check_types, resolve, types
 from .coupling import algebraic_loops, delayed, ranges
-from .errors import FmuRuntimeError, HarnessError
+from .errors import ConfigError, FmuRuntimeError, HarnessError
 from .fmu import Fmu
 from .isolated import Limits, load
 from .mapped import Mapped, apply_shared
@@ -64,13 +64,32 @@ class Run:
         """Run from t = 0 to stop; frees every FMU whatever happens."""
         with ExitStack() as stack:
             for name, path in self.paths.items():
-                self.fmus[name] = load(name, path, self.limits)
+                self.fmus[name] = self._load(name, path)
                 stack.callback(self.fmus[name].close)
             self._map()
             self.identities = {name: fmu.identity() for name, fmu in self.fmus.items()}
             self._wire()
             self._initialize()
             self._loop(progress)
+
+    def _load(self, name: str, path: Path) -> Fmu:
+        try:
+            return load(name, path, self.limits)
+        except ConfigError as error:
+            if path.name != Path(self.system.components[name].fmu).name:
+                raise  # of the command line, not of the file
+            where = self.system.at("components", name, "fmu")
+            raise ConfigError(f"{where}: {error} (--fmu-dir says where FMUs are)") from error
+
+    def _start(self, name: str, fmu: Fmu | Mapped) -> None:
+        """Set a component's values and enter initialisation mode; errors name the line."""
+        try:
+            fmu.initialize(self.system.stop, self.system.components[name].parameters)
+        except ConfigError as error:
+            place = self.system.at_parameter(name, error.variable)
+            if place is None:
+                raise
+            raise ConfigError(f"{place}: {error}") from error
 
     def _map(self) -> None:
         """Let the plant speak by our names, and share what others need to know of it."""
@@ -113,7 +132,7 @@ class Run:
         first = self.script.shape[1]
         for name, fmu in self.fmus.items():
             fmu.inputs = [v for v in fmu.inputs if f"{name}.{v.name}" in self.sources]
-            fmu.initialize(self.system.stop, self.system.components[name].parameters)
+            self._start(name, fmu)
             where = [index[self.sources[f"{name}.{v.name}"]] for v in fmu.inputs]
             values = np.zeros(len(where))
             fmu.bind(values, self.world[first : first + len(fmu.outputs)])

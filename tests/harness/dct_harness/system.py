@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from dataclasses import dataclass, field
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import jsonschema
-
-from . import parameters
+from . import parameters, tomlfile
 from .errors import ConfigError, did_you_mean
 from .kpi.registry import BY_KEY
+from .tomlplaces import Places
 from .transforms import Transform
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 Value = float | int | bool | str
 ORDER = ("plant", "observer", "control")
@@ -50,6 +41,24 @@ class System:
     coupling: str = "gauss-seidel"
     explicit: bool = False  # no connections by equal names; other inputs keep their start values
     transforms: dict[str, Transform] = field(default_factory=dict)  # by input
+    places: Places = field(default_factory=Places)  # of the keys in the file
+    overridden: set[tuple[str, str]] = field(default_factory=set)  # component, variable
+
+    def at(self, *keys: str | int) -> str:
+        """Return `file:line:column` of a key, or of the nearest one above it."""
+        return tomlfile.where(self.path, self.places, *keys)
+
+    def at_connection(self, target: str, end: str) -> str:
+        """Return where `from` or `to` of the connection to an input stands."""
+        return self.at("connections", list(self.connections).index(target), end)
+
+    def at_parameter(self, component: str, name: str) -> str | None:
+        """Return where the file gives the value of a component; None if it does not."""
+        if (component, name) in self.overridden:
+            return None
+        head = ("components", component, "parameters")
+        found = [keys for keys in self.places if keys[:3] == head and keys[-1] == name]
+        return self.at(*found[-1]) if found else None
 
     def override(self, text: str) -> None:
         """Apply one `component.variable=value` of the command line."""
@@ -61,6 +70,7 @@ class System:
             hint = did_you_mean(component, self.components)
             raise ConfigError(f"--set {text}: {self.path} has no component '{component}'.{hint}")
         self.components[component].parameters[variable] = _parse(value.strip())
+        self.overridden.add((component, variable))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the effective content, for `run.json`."""
@@ -79,63 +89,51 @@ class System:
 def _parse(text: str) -> Value:
     """Read a TOML value; anything else is a string."""
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        value = tomlfile.loads(f"value = {text}")["value"]
+    except tomlfile.TOMLDecodeError:
         return text
     return value if isinstance(value, (bool, int, float, str)) else text
 
 
 def load(path: Path) -> System:
-    """Read and check a system file; errors name file, key and remedy."""
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot read the system file: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: is not valid TOML: {error}") from error
-    _validate(path, data)
+    """Read and check a system file; errors name file, line, column, key and remedy."""
+    document = tomlfile.read(path, "system file", "system.schema.json")
+    data = document.data
     head = data["system"]
     components = {n: Component(c["fmu"], parameters.gather(path, c.get("parameters", {})),
                                c.get("substeps", 1))
                   for n, c in sorted(data["components"].items(), key=_rank)}  # fmt: skip
-    targets = [c["to"] for c in data.get("connections", [])]
-    for target in targets:
-        if targets.count(target) > 1:
-            raise ConfigError(f"{path}: connections: '{target}' has two sources; keep one")
-    _check_kpis(path, data.get("kpis", []))
+    _check_targets(document)
+    _check_kpis(document)
     return System(
         head["name"], head.get("title", head["name"]), float(head["step"]), float(head["stop"]),
         path.parent / head["scenario"], components,
         {c["to"]: c["from"] for c in data.get("connections", [])}, path,
-        data.get("kpis", []), head.get("coupling", "gauss-seidel"),
+        data.get("kpis", []), head.get("coupling", "gauss-seidel"), places=document.places,
     )  # fmt: skip
 
 
-def _check_kpis(path: Path, limits: list[dict[str, Any]]) -> None:
+def _check_targets(document: tomlfile.Document) -> None:
+    """Refuse an input with two sources."""
+    targets = [c["to"] for c in document.data.get("connections", [])]
+    for k, target in enumerate(targets):
+        if target in targets[:k]:
+            first = document.at("connections", targets.index(target), "to")
+            raise ConfigError(
+                f"{document.at('connections', k, 'to')}: connections: '{target}' has two sources "
+                f"(the other one: {first}); keep one"
+            )
+
+
+def _check_kpis(document: tomlfile.Document) -> None:
     """Refuse a limit on a KPI that does not exist."""
-    for limit in limits:
+    for k, limit in enumerate(document.data.get("kpis", [])):
         if limit["kpi"] not in BY_KEY:
             hint = did_you_mean(limit["kpi"], BY_KEY)
-            raise ConfigError(f"{path}: kpis: no KPI '{limit['kpi']}'.{hint}")
+            where = document.at("kpis", k, "kpi")
+            raise ConfigError(f"{where}: kpis: no KPI '{limit['kpi']}'.{hint}")
 
 
 def _rank(item: tuple[str, Any]) -> int:
     """Order plant, observer, control first; others keep the order of the file."""
     return ORDER.index(item[0]) if item[0] in ORDER else len(ORDER)
-
-
-def _validate(path: Path, data: dict[str, Any]) -> None:
-    text = resources.files(__package__).joinpath("schema/system.schema.json").read_text("utf-8")
-    schema = json.loads(text)
-    error = jsonschema.exceptions.best_match(
-        jsonschema.Draft202012Validator(schema).iter_errors(data)
-    )
-    if error is None:
-        return
-    hint = ""
-    if error.validator == "additionalProperties":
-        known = error.schema.get("properties", {})
-        extra = next((k for k in error.instance if k not in known), "")
-        hint = did_you_mean(extra, known)
-    key = ".".join(str(part) for part in error.absolute_path) or "(top level)"
-    raise ConfigError(f"{path}: {key}: {error.message}.{hint}")

@@ -1,10 +1,11 @@
-"""TOML files checked against a JSON schema; errors name file, line, key and remedy."""
+"""TOML files checked against a JSON schema; errors name file, line, column, key and remedy."""
 
 from __future__ import annotations
 
 import json
 import re
 import sys
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 import jsonschema
 
 from .errors import ConfigError, did_you_mean
+from .tomlplaces import Places, places
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -20,9 +22,29 @@ else:
 
 TOMLDecodeError = tomllib.TOMLDecodeError
 loads = tomllib.loads
+POSITION = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
 
 
-def read(path: Path, what: str, schema: str) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Document:
+    """The content of a file that follows its schema, and where its keys stand."""
+
+    path: Path
+    data: dict[str, Any]
+    places: Places
+
+    def at(self, *keys: str | int) -> str:
+        """Return `file:line:column` of a key, or of the nearest one above it."""
+        return where(self.path, self.places, *keys)
+
+
+def where(path: Path, known: Places, *keys: str | int) -> str:
+    """Return `file:line:column` of a key, or of the nearest one above it."""
+    place = known.find(*keys)
+    return f"{path}:{place[0]}:{place[1]}" if place else str(path)
+
+
+def read(path: Path, what: str, schema: str) -> Document:
     """Return the content of `path`, which is called `what` in errors.
 
     Raises
@@ -35,55 +57,56 @@ def read(path: Path, what: str, schema: str) -> dict[str, Any]:
         data = loads(text)
     except OSError as error:
         raise ConfigError(f"{path}: cannot read the {what}: {error.strerror}") from error
-    except (TOMLDecodeError, UnicodeDecodeError) as error:
+    except TOMLDecodeError as error:
+        raise ConfigError(_no_toml(path, str(error))) from error
+    except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not valid TOML: {error}") from error
-    _validate(path, text, data, schema)
-    return data
+    document = Document(path, data, places(text))
+    _validate(document, schema)
+    return document
 
 
-def line_of(text: str, keys: list[Any]) -> int | None:
-    """Return the line of a key in TOML text, as far as a look at headers and keys tells it.
-
-    `keys` is the path from the top; a number is an index into an array of tables.
-    """
-    headers = re.compile(r"^\s*\[+\s*(.+?)\s*\]+\s*(?:#.*)?$")
-    names = [str(k) for k in keys if not isinstance(k, int)]
-    skip = next((k for k in keys if isinstance(k, int)), 0)
-    prefix: list[str] = []
-    best, depth, seen = None, 0, -1
-    for number, line in enumerate(text.splitlines(), 1):
-        header = headers.match(line)
-        if header:
-            prefix = _split(header.group(1))
-            seen += line.lstrip().startswith("[[") and prefix == names[: len(prefix)]
-            found = prefix
-        else:
-            key = line.partition("=")[0].strip()
-            found = prefix + _split(key) if "=" in line and not key.startswith("#") else []
-        counted = skip == 0 or seen == skip
-        if found and counted and found == names[: len(found)] and len(found) > depth:
-            best, depth = number, len(found)
-    return best
+def _no_toml(path: Path, message: str) -> str:
+    """Return a parser's message with the position where editors look for it."""
+    place = POSITION.search(message)
+    where = f"{path}:{place[1]}:{place[2]}" if place else str(path)
+    return f"{where}: is not valid TOML: {POSITION.sub('', message)}"
 
 
-def _split(key: str) -> list[str]:
-    """Return the parts of a dotted key."""
-    parts = re.findall(r'"([^"]*)"|\'([^\']*)\'|([\w-]+)', key)
-    return [next((p for p in part if p), "") for part in parts]
-
-
-def _validate(path: Path, text: str, data: dict[str, Any], schema: str) -> None:
+def _validate(document: Document, schema: str) -> None:
     rules = json.loads(resources.files(__package__).joinpath(f"schema/{schema}").read_text("utf-8"))
-    found = jsonschema.Draft202012Validator(rules).iter_errors(data)
+    found = jsonschema.Draft202012Validator(rules).iter_errors(document.data)
     error = jsonschema.exceptions.best_match(found)
     if error is None:
         return
-    keys, hint = list(error.absolute_path), ""
+    keys = list(error.absolute_path)
+    name = ".".join(str(part) for part in keys) or "(top level)"
+    extra, remedy = _remedy(error)
+    place = document.at(*keys, *extra)
+    raise ConfigError(f"{place}: {name}: {_message(error)}.{remedy}")
+
+
+def _message(error: Any) -> str:
+    """Return what is wrong; for `oneOf` what must be there, which the schema library leaves out."""
+    if error.validator not in ("oneOf", "anyOf"):
+        return str(error.message)
+    choices = [", ".join(rule["required"]) for rule in error.validator_value if "required" in rule]
+    exactly = "exactly " * (error.validator == "oneOf")
+    return f"needs {exactly}one of {', '.join(choices)}" if choices else str(error.message)
+
+
+def _remedy(error: Any) -> tuple[list[str], str]:
+    """Return the key that is too much, if one is, and what to do."""
     if error.validator == "additionalProperties":
         known = error.schema.get("properties", {})
         extra = next((k for k in error.instance if k not in known), "")
-        keys, hint = [*keys, extra], did_you_mean(extra, known)
-    line = line_of(text, keys)
-    where = f"{path}:{line}" if line else str(path)
-    key = ".".join(str(part) for part in error.absolute_path) or "(top level)"
-    raise ConfigError(f"{where}: {key}: {error.message}.{hint}")
+        return [extra], did_you_mean(extra, known) or f" Known here: {', '.join(known)}."
+    if error.validator == "required":
+        missing = next((k for k in error.validator_value if k not in error.instance), "")
+        told = error.schema.get("properties", {}).get(missing, {}).get("description", "")
+        return [], f" Add {missing} = …{f' ({told})' if told else ''}."
+    if error.validator == "enum":
+        return [], did_you_mean(str(error.instance), map(str, error.validator_value))
+    told = error.schema.get("description", "")
+    name = [error.instance] if "propertyNames" in error.absolute_schema_path else []
+    return name, f" It is: {told}." if told else ""

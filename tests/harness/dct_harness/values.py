@@ -34,8 +34,9 @@ def start_value(component: str, variable: Any, value: Any) -> Any:
     whole = kind is float and type(value) is int
     if type(value) is not kind and not whole:
         raise ConfigError(
-            f"component '{component}': '{variable.name}' is {variable.type}, got {value!r}"
-        )
+            f"component '{component}': '{variable.name}' is {variable.type}, got {value!r}",
+            variable.name,
+        )  # fmt: skip
     return value
 
 
@@ -50,8 +51,8 @@ def _number(component: str, variable: Any, item: str) -> int:
     if item not in known:
         raise ConfigError(
             f"component '{component}': '{variable.name}' has no item '{item}' "
-            f"({', '.join(known)}).{did_you_mean(item, known)}"
-        )
+            f"({', '.join(known)}).{did_you_mean(item, known)}", variable.name,
+        )  # fmt: skip
     return known[item]
 
 
