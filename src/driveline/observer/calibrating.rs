@@ -31,27 +31,16 @@
 //! **Proof: none.** The filter is linearised about its estimate; it is tested, not proven.
 
 use crate::Params;
-use crate::observer::filter::Belief;
-use crate::observer::friction::Friction;
-use crate::observer::lock::Lock;
-use crate::observer::monitor::Monitor;
-use crate::observer::phase::pressed;
-use crate::observer::speeds::{Speeds, output_speed};
-use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake, common_estimate};
-use crate::reduced::exponential;
-use nalgebra::{SMatrix, SVector};
+use crate::observer::filter::{Flow, Rows, row};
+use crate::observer::speeds::Speeds;
+use crate::observer::tracker::{SHARED, START, T_C, T_S, T_V, Tracker, W_E, W_O, W_W};
+use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake};
+use nalgebra::{SVector, Vector4};
 
-const N: usize = 14;
+const N: usize = SHARED + PARAMETERS;
 type Vector = SVector<f64, N>;
-type Square = SMatrix<f64, N, N>;
 
-const W_E: usize = 0;
-const W_O: usize = 1;
-const W_W: usize = 2;
-const T_S: usize = 3;
-const T_C: usize = 4;
-const T_V: usize = 6;
-const ALPHA: usize = 7;
+const ALPHA: usize = SHARED;
 const BETA: usize = 8;
 const DELTA: usize = 9;
 const BIAS: usize = 10;
@@ -61,14 +50,8 @@ const LAMBDA: usize = 13;
 
 /// Number of parameters learnt: α, β, δ, w, κ, γ, λ.
 pub const PARAMETERS: usize = 7;
-/// Deviation of the zero that an open clutch measures [N·m].
-const OPEN: f64 = 0.1;
-/// Deviations of speeds [rad/s] and torques [N·m] at the start.
-const START: [f64; ALPHA] = [0.5, 0.5, 0.5, 100.0, 20.0, 20.0, 200.0];
 /// Largest |α|, |β|, |δ|, |w|, |κ|, |γ|, |λ| that a vehicle can have.
 const LARGEST: [f64; PARAMETERS] = [0.5, 30.0, 0.7, 0.5, 0.5, 0.7, 0.7];
-/// Smallest lever that tells a friction [N·m].
-const LEVER: f64 = 1.0;
 
 /// What the filter believes of its noises and of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +76,18 @@ impl Gains {
         sigma: [0.06, 3.0, 0.3, 0.02, 0.0, 0.0, 0.0],
         sensor: 0.1,
     };
+
+    /// Intensities of the states, shape (14); an anchor does not walk.
+    fn intensities(&self) -> Vector {
+        let [q_t, q_v, q_w, q_s] = self.q;
+        let mut all = Vector::zeros();
+        let motion = [q_w, q_w, q_w, q_s, q_t, q_t, q_v];
+        all.fixed_rows_mut::<SHARED>(0).copy_from_slice(&motion);
+        for k in (0..PARAMETERS).filter(|k| self.sigma[*k] > 0.0) {
+            all[ALPHA + k] = self.walk[k];
+        }
+        all
+    }
 }
 
 /// What was learnt of the parameters.
@@ -105,55 +100,24 @@ pub struct Calibration {
 }
 
 /// State of the observer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Calibrating {
-    /// x̂ and P.
-    pub belief: Belief<N>,
-    /// Innovations of ω_e, ω_o, ω_w at the last instant [rad/s], shape (3).
-    pub innovation: [f64; 3],
-    /// Engaged clutches.
-    pub lock: Lock,
-    /// Friction learnt while slipping.
-    pub friction: Friction,
-    /// What tells that the inputs make no sense.
-    pub monitor: Monitor,
-    /// g of the last sample.
-    pub g: [f64; 2],
-}
-
-impl Default for Calibrating {
-    fn default() -> Self {
-        Self {
-            belief: Belief::new(Vector::zeros(), Vector::zeros()),
-            innovation: [0.0; 3],
-            lock: Lock::default(),
-            friction: Friction::nominal([0.0; 2]),
-            monitor: Monitor::default(),
-            g: [0.0; 2],
-        }
-    }
+    /// The filter and what watches it.
+    pub tracker: Tracker<N>,
 }
 
 impl Observer for Calibrating {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         let mut sigma = Vector::zeros();
-        sigma.fixed_rows_mut::<ALPHA>(0).copy_from_slice(&START);
-        let learnt = &settings.calibrating.sigma;
+        sigma.fixed_rows_mut::<SHARED>(0).copy_from_slice(&START);
         sigma
             .fixed_rows_mut::<PARAMETERS>(ALPHA)
-            .copy_from_slice(learnt);
-        *self = Self {
-            belief: Belief::new(Vector::zeros(), sigma),
-            friction: Friction::nominal(settings.mu_n),
-            ..Self::default()
-        };
+            .copy_from_slice(&settings.calibrating.sigma);
+        self.tracker = Tracker::new(settings, Vector::zeros(), sigma);
         if !sample.is_finite() {
             return self.refuse();
         }
-        self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
-        self.take_speeds(p, sample);
-        self.lock.step(p, sample, 0.0);
-        self.monitor.start(p, sample);
+        self.tracker.start(p, sample, &wheel());
         self.estimate(p, settings, sample)
     }
 
@@ -161,58 +125,26 @@ impl Observer for Calibrating {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.refuse();
         }
-        if self.g != p.g(sample.gear) {
-            self.take_speeds(p, sample);
-        }
-        self.lock.step(p, sample, h);
+        self.tracker.follow(p, sample, &wheel(), h);
         self.predict(p, settings, sample, h);
-        self.correct(p, settings, sample);
+        let sensor = settings.calibrating.sensor;
+        self.tracker.correct(p, sample, sensor, &wheel());
         let bounded = self.project();
-        self.monitor.saturated = if bounded {
-            self.monitor.saturated + h
-        } else {
-            0.0
-        };
-        if settings.adapts {
-            self.friction.learn(p, sample, self.mu_hat(p, sample), h);
-        }
-        let e = self.innovation_x(p, sample);
-        self.monitor.step(p, sample, self.lock.engaged(), e, h);
+        let monitor = &mut self.tracker.monitor;
+        monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
+        self.tracker.watch(p, settings, sample, h);
         self.estimate(p, settings, sample)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.belief.x.iter_mut().for_each(&mut *visit);
-        self.belief.p.iter_mut().for_each(&mut *visit);
-        self.innovation.iter_mut().for_each(&mut *visit);
-        self.lock.since.iter_mut().for_each(&mut *visit);
-        self.friction.visit(visit);
-        self.monitor.visit(visit);
-        self.g.iter_mut().for_each(&mut *visit);
+        self.tracker.visit(visit);
     }
 }
 
 impl Calibrating {
-    /// Speeds from measurements: at the start, and when a gear comes in. What was learnt of the parameters
-    /// goes on; speeds and torques are as uncertain as at the start.
-    fn take_speeds(&mut self, p: &Params, sample: &Sample) {
-        self.g = p.g(sample.gear);
-        let omega_w = sample.omega_w - self.belief.x[BIAS];
-        let speeds = [sample.omega_e, output_speed(self.g, sample), omega_w];
-        self.belief
-            .x
-            .fixed_rows_mut::<3>(0)
-            .copy_from_slice(&speeds);
-        for (j, sigma) in START.into_iter().enumerate() {
-            self.belief.p.row_mut(j).fill(0.0);
-            self.belief.p.column_mut(j).fill(0.0);
-            self.belief.p[(j, j)] = sigma * sigma;
-        }
-    }
-
     /// The model with what was learnt.
     fn model(&self, p: &Params, sample: &Sample) -> Speeds {
-        let (nominal, x) = (Speeds::new(p, sample.gear), &self.belief.x);
+        let (nominal, x) = (Speeds::new(p, sample.gear), &self.tracker.belief.x);
         Speeds {
             j_ed: nominal.j_ed * (1.0 + x[DELTA]),
             j_out: nominal.j_out * (1.0 + x[LAMBDA]),
@@ -222,158 +154,137 @@ impl Calibrating {
         }
     }
 
-    /// The derivative of the motion by all states, shape (4, 14), and by a constant: T_e and T_b [SI].
-    fn jacobian(&self, p: &Params, sample: &Sample) -> (SMatrix<f64, 4, N>, SVector<f64, 4>) {
-        let (model, x) = (self.model(p, sample), &self.belief.x);
-        let (a, b) = (model.a(None), model.b(None));
-        let mut f = SMatrix::<f64, 4, N>::zeros();
-        f.fixed_view_mut::<4, 4>(0, 0).copy_from(&a);
-        f.fixed_view_mut::<4, 3>(0, T_C)
+    /// The slope of the states that move, shape (4).
+    fn slope(&self, model: &Speeds, p: &Params, sample: &Sample) -> Vector4<f64> {
+        let x = &self.tracker.belief.x;
+        let torque = (1.0 + x[ALPHA]) * sample.t_e + x[BETA];
+        let load = x[T_V] + brake(p, sample);
+        let torques = Vector4::new(torque, x[T_C], x[T_C + 1], load);
+        model.a(None) * x.fixed_rows::<4>(0) + model.b(None) * torques
+    }
+
+    /// How all other states change the slope, shape (4, 14), of which the last 10 columns count.
+    ///
+    /// `slope` and `twist` ω_o − ω_w: their means over the step, which makes Φ exact to h³.
+    fn effects(&self, model: &Speeds, t_e: f64, slope: &Vector4<f64>, twist: f64) -> Rows<N> {
+        let (x, b) = (&self.tracker.belief.x, model.b(None));
+        let mut by = Rows::<N>::zeros();
+        by.fixed_columns_mut::<3>(T_C)
             .copy_from(&b.fixed_columns::<3>(1));
-        let constant = b.column(0) * sample.t_e + b.column(3) * brake(p, sample);
-        let x_dot = f * x + constant + b.column(0) * (x[ALPHA] * sample.t_e + x[BETA]);
-        f.set_column(ALPHA, &(b.column(0) * sample.t_e));
-        f.set_column(BETA, &b.column(0));
-        f[(W_E, DELTA)] = -x_dot[W_E] / (1.0 + x[DELTA]);
-        f[(W_O, LAMBDA)] = -x_dot[W_O] / (1.0 + x[LAMBDA]);
-        f[(T_S, KAPPA)] = x_dot[T_S] / (1.0 + x[KAPPA]);
-        let damping = p.c_o * (x[W_O] - x[W_W]);
-        f[(W_O, GAMMA)] = -damping / model.j_out;
-        f[(W_W, GAMMA)] = damping / model.j_v;
-        (f, constant)
+        by.set_column(ALPHA, &(b.column(0) * t_e));
+        by.set_column(BETA, &b.column(0));
+        by[(W_E, DELTA)] = -slope[W_E] / (1.0 + x[DELTA]);
+        by[(W_O, LAMBDA)] = -slope[W_O] / (1.0 + x[LAMBDA]);
+        by[(T_S, KAPPA)] = slope[T_S] / (1.0 + x[KAPPA]);
+        let damping = model.c * twist / (1.0 + x[GAMMA]);
+        by[(W_O, GAMMA)] = -damping / model.j_out;
+        by[(W_W, GAMMA)] = damping / model.j_v;
+        by
     }
 
-    /// x̂⁺ with the parameters held, exactly; P⁺ with the motion linearised about x̂.
+    /// x̂⁺ of the states that move, with the parameters held, and the rows of Φ, shape (4, 14).
+    fn motion(&self, p: &Params, sample: &Sample, h: f64) -> (Vector4<f64>, Rows<N>) {
+        let (model, x) = (self.model(p, sample), &self.tracker.belief.x);
+        let flow = Flow::new(&model, h);
+        let change = flow.gamma * self.slope(&model, p, sample);
+        let moved = x.fixed_rows::<4>(0) + change;
+        let twist = 0.5 * (x[W_O] - x[W_W] + moved[W_O] - moved[W_W]);
+        let by = self.effects(&model, sample.t_e, &(change / h), twist);
+        (moved, flow.rows(&by))
+    }
+
     fn predict(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) {
-        let (f, constant) = self.jacobian(p, sample);
-        let mut m = SMatrix::<f64, { N + 1 }, { N + 1 }>::zeros();
-        m.fixed_view_mut::<4, N>(0, 0).copy_from(&f);
-        m.fixed_view_mut::<4, 1>(0, N).copy_from(&constant);
-        let psi = exponential(&(m * h));
-        let phi = psi.fixed_view::<N, N>(0, 0).into_owned();
-        let mut held = self.belief.x;
-        for j in [DELTA, KAPPA, GAMMA, LAMBDA] {
-            held[j] = 0.0; // they are in the matrices already
-        }
-        let learnt = self.belief.x;
-        self.belief.x = phi * held + psi.fixed_view::<N, 1>(0, N);
-        for j in [DELTA, KAPPA, GAMMA, LAMBDA] {
-            self.belief.x[j] = learnt[j];
-        }
-        let noise = noise(settings) * (0.5 * h);
-        self.belief.p += noise;
-        self.belief.spread(&phi, &noise);
-    }
-
-    fn correct(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
-        let (g, sensor) = (p.g(sample.gear), settings.calibrating.sensor);
-        let (r, before) = (sensor * sensor, self.belief.x);
-        self.innovation = [
-            sample.omega_e - before[W_E],
-            output_speed(g, sample) - before[W_O],
-            sample.omega_w - before[W_W] - before[BIAS],
-        ];
-        self.measure(&[(W_E, 1.0)], sample.omega_e, r);
-        for i in (0..2).filter(|i| g[*i] != 0.0) {
-            self.measure(&[(W_O, g[i])], sample.omega_c[i], r);
-        }
-        self.measure(&[(W_W, 1.0), (BIAS, 1.0)], sample.omega_w, r);
-        for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
-            if !pressed {
-                self.measure(&[(T_C + i, 1.0)], 0.0, OPEN * OPEN);
-            }
-        }
-    }
-
-    /// Corrects by a measurement `z` of a sum of states with factors, with variance `r`.
-    fn measure(&mut self, terms: &[(usize, f64)], z: f64, r: f64) {
-        let h = row(terms);
-        self.belief.correct(&h, z - h.dot(&self.belief.x), r);
+        let (moved, rows) = self.motion(p, sample, h);
+        let belief = &mut self.tracker.belief;
+        belief.x.fixed_rows_mut::<4>(0).copy_from(&moved);
+        belief.spread(&rows, &(settings.calibrating.intensities() * h));
     }
 
     /// Keeps the parameters within what a vehicle can have; tells whether that was needed.
     fn project(&mut self) -> bool {
         let mut bounded = false;
         for (k, largest) in LARGEST.into_iter().enumerate() {
-            let free = self.belief.x[ALPHA + k];
-            self.belief.x[ALPHA + k] = free.clamp(-largest, largest);
-            bounded |= self.belief.x[ALPHA + k] != free;
+            let x = &mut self.tracker.belief.x[ALPHA + k];
+            let free = *x;
+            *x = free.clamp(-largest, largest);
+            bounded |= *x != free;
         }
         bounded
     }
 
-    /// μ̂ with the sign of the torque [1], shape (2).
-    fn mu_hat(&self, p: &Params, sample: &Sample) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
-            self.belief.x[T_C + i] / lever.max(LEVER)
-        })
-    }
-
-    /// Innovation in the terms of (12), shape (2).
-    fn innovation_x(&self, p: &Params, sample: &Sample) -> [f64; 2] {
-        let [e, o, w] = self.innovation;
-        [e - p.g(sample.gear)[1] * o, o - w]
-    }
-
     /// What was learnt, with deviations.
     fn calibration(&self) -> Calibration {
-        let index: [usize; PARAMETERS] = core::array::from_fn(|k| ALPHA + k);
+        let (index, belief): ([usize; PARAMETERS], _) =
+            (core::array::from_fn(|k| ALPHA + k), &self.tracker.belief);
         Calibration {
-            value: index.map(|j| self.belief.x[j]),
-            deviation: index.map(|j| self.belief.deviation(&row(&[(j, 1.0)]))),
+            value: index.map(|j| belief.x[j]),
+            deviation: index.map(|j| belief.deviation(&row(&[(j, 1.0)]))),
         }
     }
 
     /// What is said of a sample that cannot be used.
     fn refuse(&self) -> Estimate {
         Estimate {
-            t_o: self.belief.x[T_S],
-            friction: self.friction.mu,
-            engaged: self.lock.engaged(),
             calibration: self.calibration(),
-            ..Estimate::refused()
+            ..self.tracker.refuse()
         }
     }
 
     fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let (x, c) = (&self.belief.x, self.model(p, sample).c);
-        let t_o = row(&[(T_S, 1.0), (W_O, c), (W_W, -c)]);
-        let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(p, settings, sample, engaged, fault);
-        let said = Estimate {
-            t_c: [x[T_C], x[T_C + 1]],
-            t_o: t_o.dot(x),
-            t_v: x[T_V] + brake(p, sample),
-            t_c_deviation: [0, 1].map(|i| self.belief.deviation(&row(&[(T_C + i, 1.0)]))),
-            t_o_deviation: self.belief.deviation(&t_o),
-            friction: self.friction.mu,
-            innovation: self.innovation_x(p, sample),
+        let c = self.model(p, sample).c;
+        Estimate {
             calibration: self.calibration(),
-            ..common
+            ..self.tracker.estimate(p, settings, sample, c)
+        }
+    }
+}
+
+/// What the wheel sensor shows of the states.
+fn wheel() -> Vector {
+    row(&[(W_W, 1.0), (BIAS, 1.0)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Calibrating, N, Vector};
+    use crate::Params;
+    use crate::observer::{Observer, Sample, Settings};
+    use nalgebra::Vector4;
+
+    /// Central differences of the motion itself against the rows of Φ, in every state; the rows leave out h³.
+    #[test]
+    fn rows_of_phi_are_the_derivative_of_the_motion() {
+        const STEP: f64 = 1e-4;
+        let units = Vector4::new(1.0, 1.0, 1.0, 500.0);
+        let (p, settings) = (Params::TABLE_1, Settings::CASE_1);
+        let sample = Sample {
+            t_e: 60.0,
+            omega_e: 180.0,
+            omega_c: [170.0, 110.0],
+            omega_w: 9.3,
+            gear: [1, 2],
+            t_brake: 40.0,
+            ..Sample::default()
         };
-        said.with_friction_terms(p, settings, sample)
+        let mut observer = Calibrating::default();
+        observer.start(&p, &settings, &sample);
+        observer.tracker.belief.x = Vector::from([
+            181.0, 9.5, 9.3, 700.0, 42.0, -11.0, 260.0, 0.04, 1.5, -0.1, 0.01, 0.07, -0.15, 0.1,
+        ]);
+        for (h, tolerance) in [(1e-3, 1e-4), (1e-2, 1e-2)] {
+            let rows = observer.motion(&p, &sample, h).1;
+            for j in 0..N {
+                let [up, down] = [STEP, -STEP].map(|step| {
+                    let mut moved = observer;
+                    moved.tracker.belief.x[j] += step;
+                    moved.motion(&p, &sample, h).0
+                });
+                let slope = (up - down) / (2.0 * STEP);
+                let in_units = |column: Vector4<f64>| column.component_div(&units);
+                let (truth, ours) = (in_units(slope), in_units(rows.column(j).into_owned()));
+                let error = (truth - ours).amax() / truth.amax().max(h);
+                assert!(error < tolerance, "h = {h} s, state {j}: {truth} {ours}");
+            }
+        }
     }
-}
-
-/// A row of zeros with these entries.
-fn row(terms: &[(usize, f64)]) -> Vector {
-    let mut row = Vector::zeros();
-    for (j, factor) in terms {
-        row[*j] = *factor;
-    }
-    row
-}
-
-/// Intensities per second, shape (14, 14); an anchor does not walk.
-fn noise(settings: &Settings) -> Square {
-    let Gains { q, walk, sigma, .. } = settings.calibrating;
-    let [q_t, q_v, q_w, q_s] = q;
-    let mut all = Vector::zeros();
-    let motion = [q_w, q_w, q_w, q_s, q_t, q_t, q_v];
-    all.fixed_rows_mut::<ALPHA>(0).copy_from_slice(&motion);
-    for k in (0..PARAMETERS).filter(|k| sigma[*k] > 0.0) {
-        all[ALPHA + k] = walk[k];
-    }
-    Square::from_diagonal(&all)
 }

@@ -1,6 +1,15 @@
-//! Predict and correct of a Kalman filter, with scalar measurements one after another.
+//! Predict and correct of a Kalman filter on the driveline, with scalar measurements one after another.
+//!
+//! Four states move, (ω_e, ω_o, ω_w, T_s) of [`Speeds`]; all others are constants but for their noise. So
+//! only four rows of Φ differ from the identity, and a step costs four rows, not N.
 
-use nalgebra::{SMatrix, SVector};
+use crate::observer::speeds::Speeds;
+use nalgebra::{ComplexField, Matrix4, SMatrix, SVector};
+
+/// States that move: ω_e, ω_o, ω_w, T_s.
+pub const MOVING: usize = 4;
+/// Rows of Φ that are not those of the identity.
+pub type Rows<const N: usize> = SMatrix<f64, MOVING, N>;
 
 /// x̂ and P of a filter with N states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,10 +29,29 @@ impl<const N: usize> Belief<N> {
         }
     }
 
-    /// P⁺ = Φ P Φᵀ + Q; x̂ is left to the caller.
-    pub fn spread(&mut self, phi: &SMatrix<f64, N, N>, q: &SMatrix<f64, N, N>) {
-        let p = phi * self.p * phi.transpose() + q;
-        self.p = (p + p.transpose()) * 0.5;
+    /// P⁺ = Φ (P + Q/2) Φᵀ + Q/2 for the diagonal Q of a step, shape (N); x̂ is left to the caller.
+    ///
+    /// `rows`: the rows of Φ that move, shape (4, N).
+    pub fn spread(&mut self, rows: &Rows<N>, q: &SVector<f64, N>) {
+        self.add_noise(q);
+        let cross = rows * self.p;
+        let moved = cross * rows.transpose();
+        self.p.fixed_rows_mut::<MOVING>(0).copy_from(&cross);
+        self.p
+            .fixed_columns_mut::<MOVING>(0)
+            .copy_from(&cross.transpose());
+        let symmetric = (moved + moved.transpose()) * 0.5;
+        self.p
+            .fixed_view_mut::<MOVING, MOVING>(0, 0)
+            .copy_from(&symmetric);
+        self.add_noise(q);
+    }
+
+    /// Half of the noise of a step, on the diagonal.
+    fn add_noise(&mut self, q: &SVector<f64, N>) {
+        for j in 0..N {
+            self.p[(j, j)] += 0.5 * q[j];
+        }
     }
 
     /// Takes a measurement hᵀ x + noise of variance `r` that misses its prediction by `residual`.
@@ -35,72 +63,116 @@ impl<const N: usize> Belief<N> {
         let s = h.dot(&p_h) + r;
         let k = p_h / s;
         self.x += k * residual;
-        self.p -= k * k.transpose() * s;
+        self.p -= k * p_h.transpose();
         residual * residual / s
     }
 
     /// Standard deviation of hᵀ x.
     pub fn deviation(&self, h: &SVector<f64, N>) -> f64 {
         let variance = h.dot(&(self.p * h));
-        nalgebra::ComplexField::sqrt(variance.max(0.0))
+        ComplexField::sqrt(variance.max(0.0))
     }
 }
 
-/// Φ = exp(A h) and Q = ∫ Φ(t) Q_c Φ(t)ᵀ dt over a step `h` [s], exactly: Q(2t) = Q(t) + Φ(t) Q(t) Φ(t)ᵀ.
-///
-/// `a`: shape (N, N). `q_c`: intensities per second, shape (N).
-pub fn discretise<const N: usize>(
-    a: &SMatrix<f64, N, N>,
-    q_c: &SVector<f64, N>,
-    h: f64,
-) -> (SMatrix<f64, N, N>, SMatrix<f64, N, N>) {
-    const REACH: f64 = 1e-3; // terms of third order are left out of Q(t) at the start
-    let (mut t, mut doublings) = (h, 0);
-    while (a * t).amax() > REACH && doublings < 30 {
-        t *= 0.5;
-        doublings += 1;
+/// A row of zeros with these entries.
+pub fn row<const N: usize>(terms: &[(usize, f64)]) -> SVector<f64, N> {
+    let mut row = SVector::zeros();
+    for (j, factor) in terms {
+        row[*j] = *factor;
     }
-    let q_c = SMatrix::from_diagonal(q_c);
-    let drift = a * q_c;
-    let second = (a * drift + drift.transpose() * a.transpose()) + drift * a.transpose() * 2.0;
-    let mut q = q_c * t + (drift + drift.transpose()) * (t * t / 2.0) + second * (t * t * t / 6.0);
-    let mut phi = crate::reduced::exponential(&(a * t));
-    for _ in 0..doublings {
-        q += phi * q * phi.transpose();
-        phi = phi * phi;
+    row
+}
+
+/// The free motion over a step: Φ = exp(A h) and Γ = ∫ exp(A t) dt, shape (4, 4), both clutches free.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flow {
+    /// Φ.
+    pub phi: Matrix4<f64>,
+    /// Γ: effect of a constant slope [s].
+    pub gamma: Matrix4<f64>,
+}
+
+impl Flow {
+    /// Over a step `h` [s]: series on h/2ⁿ, doubled n times.
+    pub fn new(model: &Speeds, h: f64) -> Self {
+        const REACH: f64 = 0.1; // of a term over the one before; REACH^9/10! < 1e-15
+        let a = model.a(None);
+        let rate = ComplexField::sqrt(model.k / model.j_out) + 2.0 * model.c / model.j_out;
+        let (mut t, mut doublings) = (h, 0);
+        while t * rate > REACH && doublings < 30 {
+            t *= 0.5;
+            doublings += 1;
+        }
+        let mut term = Matrix4::identity() * t;
+        let mut gamma = term;
+        for n in 2..=10 {
+            term = a * term * (t / f64::from(n));
+            gamma += term;
+        }
+        let mut phi = Matrix4::identity() + a * gamma;
+        for _ in 0..doublings {
+            gamma += phi * gamma;
+            phi *= phi;
+        }
+        Self { phi, gamma }
     }
-    (phi, q)
+
+    /// Rows of Φ for states that drive the motion by `by`, shape (4, N), of which the last N − 4 columns count.
+    pub fn rows<const N: usize>(&self, by: &Rows<N>) -> Rows<N> {
+        let mut rows = self.gamma * by;
+        rows.fixed_columns_mut::<MOVING>(0).copy_from(&self.phi);
+        rows
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Belief, discretise};
-    use nalgebra::{Matrix2, Vector2};
+    use super::{Belief, Flow, row};
+    use crate::Params;
+    use crate::observer::speeds::Speeds;
+    use crate::reduced::exponential;
+    use nalgebra::{SMatrix, SVector, Vector2};
 
-    /// Closed form of an integrator driven by a random walk.
     #[test]
-    fn a_random_walk_that_is_integrated_spreads_with_the_cube_of_time() {
-        let a = Matrix2::new(0.0, 3.0, 0.0, 0.0);
-        let (q, h) = (2.0, 0.7);
-        let (phi, spread) = discretise(&a, &Vector2::new(0.0, q), h);
-        let expected = Matrix2::new(
-            9.0 * q * h * h * h / 3.0,
-            3.0 * q * h * h / 2.0,
-            3.0 * q * h * h / 2.0,
-            q * h,
-        );
-        assert!((phi - Matrix2::new(1.0, 3.0 * h, 0.0, 1.0)).amax() < 1e-12);
-        assert!(
-            (spread - expected).amax() < 1e-9 * expected.amax(),
-            "{spread}"
-        );
+    fn flow_is_the_exponential_of_the_free_motion() {
+        let model = Speeds::new(&Params::TABLE_1, [1, 2]);
+        for h in [1e-4, 1e-3, 2e-2, 0.3] {
+            let mut m = SMatrix::<f64, 8, 8>::zeros();
+            m.fixed_view_mut::<4, 4>(0, 0).copy_from(&model.a(None));
+            m.fixed_view_mut::<4, 4>(0, 4).fill_with_identity();
+            let expected = exponential(&(m * h));
+            let flow = Flow::new(&model, h);
+            let [phi, gamma] = [0, 4].map(|j| expected.fixed_view::<4, 4>(0, j).into_owned());
+            assert!((flow.phi - phi).amax() < 1e-10 * phi.amax(), "{h}");
+            assert!((flow.gamma - gamma).amax() < 1e-10 * gamma.amax(), "{h}");
+        }
+    }
+
+    /// The dense product that the four rows save.
+    #[test]
+    fn four_rows_spread_as_the_whole_matrix_does() {
+        let half = SMatrix::<f64, 6, 6>::from_iterator((1..=36_u8).map(|k| 1.0 / f64::from(k)));
+        let p = half * half.transpose();
+        let q = SVector::<f64, 6>::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        let mut phi = SMatrix::<f64, 6, 6>::identity();
+        for (i, j) in [(0, 1), (0, 5), (1, 0), (2, 4), (3, 3), (3, 5)] {
+            phi[(i, j)] += 0.3;
+        }
+        let noise = SMatrix::from_diagonal(&q) * 0.5;
+        let expected = phi * (p + noise) * phi.transpose() + noise;
+        let mut belief = Belief {
+            x: SVector::zeros(),
+            p,
+        };
+        belief.spread(&phi.fixed_rows::<4>(0).into_owned(), &q);
+        assert!((belief.p - expected).amax() < 1e-12);
     }
 
     /// Two measurements of one state are their weighted mean.
     #[test]
     fn measurements_are_averaged_by_their_variances() {
         let mut belief = Belief::new(Vector2::new(0.0, 5.0), Vector2::new(1e6, 1.0));
-        let h = Vector2::new(1.0, 0.0);
+        let h = row(&[(0, 1.0)]);
         for (z, r) in [(1.0, 1.0), (4.0, 2.0)] {
             let residual = z - belief.x[0];
             belief.correct(&h, residual, r);

@@ -18,33 +18,14 @@
 //! g1 ≠ g2. What the model does not say is not covered: T_e and J_e errors go straight into T_c.
 
 use crate::Params;
-use crate::observer::filter::{Belief, discretise};
-use crate::observer::friction::Friction;
-use crate::observer::lock::Lock;
-use crate::observer::monitor::Monitor;
-use crate::observer::phase::pressed;
-use crate::observer::speeds::{Speeds, output_speed};
-use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake, common_estimate};
-use nalgebra::{SMatrix, SVector};
+use crate::observer::filter::{Flow, Rows, row};
+use crate::observer::speeds::Speeds;
+use crate::observer::tracker::{SHARED, START, T_C, Tracker, W_W};
+use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake};
+use nalgebra::{SVector, Vector4};
 
-const N: usize = 7;
-/// With T_e as a state that stands.
-const AUGMENTED: usize = 8;
+const N: usize = SHARED;
 type Vector = SVector<f64, N>;
-
-const W_E: usize = 0;
-const W_O: usize = 1;
-const W_W: usize = 2;
-const T_S: usize = 3;
-const T_C: usize = 4;
-const T_V: usize = 6;
-
-/// Deviation of the zero that an open clutch measures [N·m].
-const OPEN: f64 = 0.1;
-/// Deviations at the start: speeds [rad/s], T_s, T_c1, T_c2, T_v [N·m].
-const START: [f64; N] = [0.5, 0.5, 0.5, 100.0, 20.0, 20.0, 200.0];
-/// Smallest μ̂ lever that tells a friction [N·m].
-const LEVER: f64 = 1.0;
 
 /// What the filter believes of its noises.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,74 +51,43 @@ impl Gains {
         q_s: 450.0,
         sigma: 0.1,
     };
-}
 
-/// State of the observer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Kalman {
-    /// x̂ and P.
-    pub belief: Belief<N>,
-    /// Innovations of ω_e, ω_o, ω_w at the last instant [rad/s], shape (3).
-    pub innovation: [f64; 3],
-    /// Engaged clutches.
-    pub lock: Lock,
-    /// Friction learnt while slipping.
-    pub friction: Friction,
-    /// What tells that the inputs make no sense.
-    pub monitor: Monitor,
-    /// g of the last sample.
-    pub g: [f64; 2],
-    /// The discrete model and what it was made for: derived, not part of the state.
-    cache: Option<(Key, Discrete)>,
-}
-
-/// What the discrete model depends on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Key {
-    model: Speeds,
-    gains: Gains,
-    h: f64,
-}
-
-/// x⁺ = Φ x + Γ_e T_e + Γ_v T_b, with noise Q.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Discrete {
-    phi: SMatrix<f64, N, N>,
-    q: SMatrix<f64, N, N>,
-    gamma_e: Vector,
-}
-
-impl Discrete {
-    fn new(key: &Key) -> Self {
-        let Gains {
+    /// Intensities of the states, shape (7).
+    fn intensities(&self) -> Vector {
+        let Self {
             q_t, q_v, q_w, q_s, ..
-        } = key.gains;
-        let (a, b) = (key.model.a(None), key.model.b(None));
-        let mut m = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
-        m.fixed_view_mut::<4, 4>(0, 0).copy_from(&a);
-        m.fixed_view_mut::<4, 3>(0, T_C)
-            .copy_from(&b.fixed_columns::<3>(1));
-        m.fixed_view_mut::<4, 1>(0, N).copy_from(&b.column(0));
-        let q_c = SVector::<f64, AUGMENTED>::from([q_w, q_w, q_w, q_s, q_t, q_t, q_v, 0.0]);
-        let (psi, q) = discretise(&m, &q_c, key.h);
-        Self {
-            phi: psi.fixed_view::<N, N>(0, 0).into_owned(),
-            q: q.fixed_view::<N, N>(0, 0).into_owned(),
-            gamma_e: psi.fixed_view::<N, 1>(0, N).into_owned(),
-        }
+        } = *self;
+        Vector::from([q_w, q_w, q_w, q_s, q_t, q_t, q_v])
     }
 }
 
-impl Default for Kalman {
-    fn default() -> Self {
+/// State of the observer.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Kalman {
+    /// The filter and what watches it.
+    pub tracker: Tracker<N>,
+    /// The discrete model and what it was made for: derived, not part of the state.
+    cache: Option<(Speeds, f64, Discrete)>,
+}
+
+/// The rows of Φ that move, and the effect of T_e and T_b, over one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Discrete {
+    rows: Rows<N>,
+    gamma_e: Vector4<f64>,
+    gamma_b: Vector4<f64>,
+}
+
+impl Discrete {
+    fn new(model: &Speeds, h: f64) -> Self {
+        let (flow, b) = (Flow::new(model, h), model.b(None));
+        let mut by = Rows::<N>::zeros();
+        by.fixed_columns_mut::<3>(T_C)
+            .copy_from(&b.fixed_columns::<3>(1));
         Self {
-            belief: Belief::new(Vector::zeros(), Vector::from(START)),
-            innovation: [0.0; 3],
-            lock: Lock::default(),
-            friction: Friction::nominal([0.0; 2]),
-            monitor: Monitor::default(),
-            g: [0.0; 2],
-            cache: None,
+            rows: flow.rows(&by),
+            gamma_e: flow.gamma * b.column(0),
+            gamma_b: flow.gamma * b.column(3),
         }
     }
 }
@@ -145,154 +95,54 @@ impl Default for Kalman {
 impl Observer for Kalman {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self {
-            friction: Friction::nominal(settings.mu_n),
-            ..Self::default()
+            tracker: Tracker::new(settings, Vector::zeros(), Vector::from(START)),
+            cache: None,
         };
         if !sample.is_finite() {
-            return self.refuse();
+            return self.tracker.refuse();
         }
-        self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
-        self.take_speeds(p, sample);
-        self.lock.step(p, sample, 0.0);
-        self.monitor.start(p, sample);
-        self.estimate(p, settings, sample)
+        self.tracker.start(p, sample, &wheel());
+        self.tracker.estimate(p, settings, sample, p.c_o)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
-            return self.refuse();
+            return self.tracker.refuse();
         }
-        if self.g != p.g(sample.gear) {
-            self.take_speeds(p, sample);
-        }
-        self.lock.step(p, sample, h);
+        self.tracker.follow(p, sample, &wheel(), h);
         self.predict(p, settings, sample, h);
-        self.correct(p, settings, sample);
-        if settings.adapts {
-            self.friction.learn(p, sample, self.mu_hat(p, sample), h);
-        }
-        let e = self.innovation_x(p, sample);
-        self.monitor.step(p, sample, self.lock.engaged(), e, h);
-        self.estimate(p, settings, sample)
+        let sigma = settings.kalman.sigma;
+        self.tracker.correct(p, sample, sigma, &wheel());
+        self.tracker.watch(p, settings, sample, h);
+        self.tracker.estimate(p, settings, sample, p.c_o)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.belief.x.iter_mut().for_each(&mut *visit);
-        self.belief.p.iter_mut().for_each(&mut *visit);
-        self.innovation.iter_mut().for_each(&mut *visit);
-        self.lock.since.iter_mut().for_each(&mut *visit);
-        self.friction.visit(visit);
-        self.monitor.visit(visit);
-        self.g.iter_mut().for_each(&mut *visit);
+        self.tracker.visit(visit);
     }
 }
 
 impl Kalman {
-    /// Speeds from measurements: at the start, and when a gear comes in. The torques go on, their
-    /// deviation as at the start.
-    fn take_speeds(&mut self, p: &Params, sample: &Sample) {
-        self.g = p.g(sample.gear);
-        let speeds = [sample.omega_e, output_speed(self.g, sample), sample.omega_w];
-        self.belief
-            .x
-            .fixed_rows_mut::<3>(0)
-            .copy_from_slice(&speeds);
-        self.belief = Belief::new(self.belief.x, Vector::from(START));
-    }
-
     fn predict(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) {
-        let key = Key {
-            model: Speeds::new(p, sample.gear),
-            gains: settings.kalman,
-            h,
-        };
+        let model = Speeds::new(p, sample.gear);
         let discrete = match self.cache {
-            Some((made_for, discrete)) if made_for == key => discrete,
-            _ => Discrete::new(&key),
+            Some((of, step, discrete)) if (of, step) == (model, h) => discrete,
+            _ => Discrete::new(&model, h),
         };
-        self.cache = Some((key, discrete));
-        let mut x = self.belief.x;
-        x[T_V] += brake(p, sample);
-        let load = self.belief.x[T_V];
-        self.belief.x = discrete.phi * x + discrete.gamma_e * sample.t_e;
-        self.belief.x[T_V] = load;
-        self.belief.spread(&discrete.phi, &discrete.q);
+        self.cache = Some((model, h, discrete));
+        let Discrete {
+            rows,
+            gamma_e,
+            gamma_b,
+        } = discrete;
+        let belief = &mut self.tracker.belief;
+        let moved = rows * belief.x + gamma_e * sample.t_e + gamma_b * brake(p, sample);
+        belief.x.fixed_rows_mut::<4>(0).copy_from(&moved);
+        belief.spread(&rows, &(settings.kalman.intensities() * h));
     }
+}
 
-    fn correct(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
-        let (g, r) = (
-            p.g(sample.gear),
-            settings.kalman.sigma * settings.kalman.sigma,
-        );
-        let before = self.belief.x;
-        self.innovation = [
-            sample.omega_e - before[W_E],
-            output_speed(g, sample) - before[W_O],
-            sample.omega_w - before[W_W],
-        ];
-        self.measure(W_E, 1.0, sample.omega_e, r);
-        for i in (0..2).filter(|i| g[*i] != 0.0) {
-            self.measure(W_O, g[i], sample.omega_c[i], r);
-        }
-        self.measure(W_W, 1.0, sample.omega_w, r);
-        for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
-            if !pressed {
-                self.measure(T_C + i, 1.0, 0.0, OPEN * OPEN);
-            }
-        }
-    }
-
-    /// Corrects by a measurement `z` of `factor` times state `j`, with variance `r`.
-    fn measure(&mut self, j: usize, factor: f64, z: f64, r: f64) {
-        let mut h = Vector::zeros();
-        h[j] = factor;
-        self.belief.correct(&h, z - factor * self.belief.x[j], r);
-    }
-
-    /// μ̂ with the sign of the torque [1], shape (2).
-    fn mu_hat(&self, p: &Params, sample: &Sample) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
-            self.belief.x[T_C + i] / lever.max(LEVER)
-        })
-    }
-
-    /// Innovation in the terms of (12), shape (2).
-    fn innovation_x(&self, p: &Params, sample: &Sample) -> [f64; 2] {
-        let [e, o, w] = self.innovation;
-        [e - p.g(sample.gear)[1] * o, o - w]
-    }
-
-    /// What is said of a sample that cannot be used.
-    fn refuse(&self) -> Estimate {
-        Estimate {
-            t_o: self.belief.x[T_S],
-            friction: self.friction.mu,
-            engaged: self.lock.engaged(),
-            ..Estimate::refused()
-        }
-    }
-
-    fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let (x, unit) = (&self.belief.x, |j: usize| {
-            let mut h = Vector::zeros();
-            h[j] = 1.0;
-            h
-        });
-        let mut t_o = unit(T_S);
-        (t_o[W_O], t_o[W_W]) = (p.c_o, -p.c_o);
-        let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(p, settings, sample, engaged, fault);
-        let said = Estimate {
-            t_c: [x[T_C], x[T_C + 1]],
-            t_o: t_o.dot(x),
-            t_v: x[T_V] + brake(p, sample),
-            t_c_deviation: [0, 1].map(|i| self.belief.deviation(&unit(T_C + i))),
-            t_o_deviation: self.belief.deviation(&t_o),
-            friction: self.friction.mu,
-            innovation: self.innovation_x(p, sample),
-            ..common
-        };
-        said.with_friction_terms(p, settings, sample)
-    }
+/// What the wheel sensor shows of the states.
+fn wheel() -> Vector {
+    row(&[(W_W, 1.0)])
 }

@@ -27,6 +27,7 @@ pub mod phase;
 mod schedule;
 pub mod select;
 pub mod speeds;
+mod tracker;
 
 pub use calibrating::{Calibrating, Calibration};
 pub use energy::Energy;

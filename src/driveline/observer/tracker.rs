@@ -1,0 +1,198 @@
+//! What `kalman` and `calibrating` do alike: a belief that starts with the seven states
+//! (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v), corrected by what a car measures.
+//!
+//! A clutch below its touch point carries nothing: its torque is a measurement of zero. No friction map
+//! enters: μ̂ is T̂_c over the force.
+
+use crate::Params;
+use crate::observer::filter::{Belief, row};
+use crate::observer::friction::Friction;
+use crate::observer::lock::Lock;
+use crate::observer::monitor::Monitor;
+use crate::observer::phase::pressed;
+use crate::observer::speeds::output_speed;
+use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
+use nalgebra::SVector;
+
+/// Index of ω_e [rad/s].
+pub const W_E: usize = 0;
+/// Index of ω_o [rad/s].
+pub const W_O: usize = 1;
+/// Index of ω_w [rad/s].
+pub const W_W: usize = 2;
+/// Index of T_s [N·m].
+pub const T_S: usize = 3;
+/// Index of T_c1, and T_c2 after it [N·m].
+pub const T_C: usize = 4;
+/// Index of T_v without a measured brake torque [N·m].
+pub const T_V: usize = 6;
+/// Number of these states; those after them are the method's own.
+pub const SHARED: usize = 7;
+
+/// Deviations at the start: speeds [rad/s], T_s, T_c1, T_c2, T_v [N·m].
+pub const START: [f64; SHARED] = [0.5, 0.5, 0.5, 100.0, 20.0, 20.0, 200.0];
+/// Deviation of the zero that an open clutch measures [N·m].
+const OPEN: f64 = 0.1;
+/// Smallest lever that tells a friction [N·m].
+const LEVER: f64 = 1.0;
+
+/// A belief of N states, and what watches it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tracker<const N: usize> {
+    /// x̂ and P.
+    pub belief: Belief<N>,
+    /// Innovations of ω_e, ω_o, ω_w at the last instant [rad/s], shape (3).
+    pub innovation: [f64; 3],
+    /// Engaged clutches.
+    pub lock: Lock,
+    /// Friction learnt while slipping.
+    pub friction: Friction,
+    /// What tells that the inputs make no sense.
+    pub monitor: Monitor,
+    /// g of the last sample.
+    pub g: [f64; 2],
+}
+
+impl<const N: usize> Default for Tracker<N> {
+    fn default() -> Self {
+        Self {
+            belief: Belief::new(SVector::zeros(), SVector::zeros()),
+            innovation: [0.0; 3],
+            lock: Lock::default(),
+            friction: Friction::nominal([0.0; 2]),
+            monitor: Monitor::default(),
+            g: [0.0; 2],
+        }
+    }
+}
+
+impl<const N: usize> Tracker<N> {
+    /// Nothing known but the deviations of the states, shape (N).
+    pub fn new(settings: &Settings, x: SVector<f64, N>, sigma: SVector<f64, N>) -> Self {
+        Self {
+            belief: Belief::new(x, sigma),
+            friction: Friction::nominal(settings.mu_n),
+            ..Self::default()
+        }
+    }
+
+    /// Starts from measurements. `wheel`: what the wheel sensor shows of the states, shape (N).
+    pub fn start(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>) {
+        self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
+        self.take_speeds(p, sample, wheel);
+        self.lock.step(p, sample, 0.0);
+        self.monitor.start(p, sample);
+    }
+
+    /// Before the prediction: engaged clutches; speeds anew where a gear came in.
+    pub fn follow(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>, h: f64) {
+        if self.g != p.g(sample.gear) {
+            self.take_speeds(p, sample, wheel);
+        }
+        self.lock.step(p, sample, h);
+    }
+
+    /// Speeds from measurements: at the start, and when a gear comes in. What is known of parameters
+    /// goes on, and the torques; their deviation is as at the start.
+    fn take_speeds(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>) {
+        self.g = p.g(sample.gear);
+        let bias = wheel.dot(&self.belief.x) - self.belief.x[W_W];
+        let omega_w = sample.omega_w - bias;
+        let speeds = [sample.omega_e, output_speed(self.g, sample), omega_w];
+        let belief = &mut self.belief;
+        belief.x.fixed_rows_mut::<3>(0).copy_from_slice(&speeds);
+        for (j, sigma) in START.into_iter().enumerate() {
+            belief.p.row_mut(j).fill(0.0);
+            belief.p.column_mut(j).fill(0.0);
+            belief.p[(j, j)] = sigma * sigma;
+        }
+    }
+
+    /// Corrects by every speed, of deviation `sensor` [rad/s], and by clutches that are open.
+    pub fn correct(&mut self, p: &Params, sample: &Sample, sensor: f64, wheel: &SVector<f64, N>) {
+        let (g, r, before) = (p.g(sample.gear), sensor * sensor, self.belief.x);
+        self.innovation = [
+            sample.omega_e - before[W_E],
+            output_speed(g, sample) - before[W_O],
+            sample.omega_w - wheel.dot(&before),
+        ];
+        self.measure(&row(&[(W_E, 1.0)]), sample.omega_e, r);
+        for i in (0..2).filter(|i| g[*i] != 0.0) {
+            self.measure(&row(&[(W_O, g[i])]), sample.omega_c[i], r);
+        }
+        self.measure(wheel, sample.omega_w, r);
+        for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
+            if !pressed {
+                self.measure(&row(&[(T_C + i, 1.0)]), 0.0, OPEN * OPEN);
+            }
+        }
+    }
+
+    /// Corrects by a measurement `z` of hᵀ x, with variance `r`.
+    fn measure(&mut self, h: &SVector<f64, N>, z: f64, r: f64) {
+        self.belief.correct(h, z - h.dot(&self.belief.x), r);
+    }
+
+    /// After the correction: friction, and whether the inputs make sense.
+    pub fn watch(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) {
+        if settings.adapts {
+            self.friction.learn(p, sample, self.mu_hat(p, sample), h);
+        }
+        let (engaged, e) = (self.lock.engaged(), self.innovation_x(p, sample));
+        self.monitor.step(p, sample, engaged, e, h);
+    }
+
+    /// μ̂ with the sign of the torque [1], shape (2).
+    fn mu_hat(&self, p: &Params, sample: &Sample) -> [f64; 2] {
+        [0, 1].map(|i| {
+            let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
+            self.belief.x[T_C + i] / lever.max(LEVER)
+        })
+    }
+
+    /// Innovation in the terms of (12), shape (2).
+    fn innovation_x(&self, p: &Params, sample: &Sample) -> [f64; 2] {
+        let [e, o, w] = self.innovation;
+        [e - p.g(sample.gear)[1] * o, o - w]
+    }
+
+    /// What is said of a sample that cannot be used.
+    pub fn refuse(&self) -> Estimate {
+        Estimate {
+            t_o: self.belief.x[T_S],
+            friction: self.friction.mu,
+            engaged: self.lock.engaged(),
+            ..Estimate::refused()
+        }
+    }
+
+    /// What is said after a step; `c` of the drive shaft [N·m·s/rad].
+    pub fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, c: f64) -> Estimate {
+        let x = &self.belief.x;
+        let t_o: SVector<f64, N> = row(&[(T_S, 1.0), (W_O, c), (W_W, -c)]);
+        let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
+        let common = common_estimate(p, settings, sample, engaged, fault);
+        let said = Estimate {
+            t_c: [x[T_C], x[T_C + 1]],
+            t_o: t_o.dot(x),
+            t_v: x[T_V] + brake(p, sample),
+            t_c_deviation: [0, 1].map(|i| self.belief.deviation(&row(&[(T_C + i, 1.0)]))),
+            t_o_deviation: self.belief.deviation(&t_o),
+            friction: self.friction.mu,
+            innovation: self.innovation_x(p, sample),
+            ..common
+        };
+        said.with_friction_terms(p, settings, sample)
+    }
+
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        self.belief.x.iter_mut().for_each(&mut *visit);
+        self.belief.p.iter_mut().for_each(&mut *visit);
+        self.innovation.iter_mut().for_each(&mut *visit);
+        self.lock.since.iter_mut().for_each(&mut *visit);
+        self.friction.visit(visit);
+        self.monitor.visit(visit);
+        self.g.iter_mut().for_each(&mut *visit);
+    }
+}
