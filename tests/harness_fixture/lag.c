@@ -1,14 +1,17 @@
 /* First-order lag x' = (u - x) / tau, stepped exactly; the harness tests' own small FMU. Besides,
- * m becomes 2 n and c becomes not b at every step. `delay` is how long a step takes [s]. */
+ * m becomes 2 n and c becomes not b at every step. `delay` is how long a step takes [s]. A step longer
+ * than `reach` ends in Discard after `reach`, one longer than `most` in Discard at its beginning;
+ * `mute` other than 0: it does not tell how far it got. */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>
 #include "fmi2Functions.h"
-enum { U, X, TAU, FAIL_AT, NAN_AT, DELAY, REALS }; /* value references of reals: doStep returns */
+enum { U, X, TAU, FAIL_AT, NAN_AT, DELAY, REACH, MOST, MUTE, REALS }; /* value references of reals: doStep returns */
 typedef struct {                                   /* Error from FAIL_AT, x is NaN from NAN_AT   */
     double v[REALS];
     int n[2], b[2]; /* value references: 0 input, 1 output */
+    double reached;
     const fmi2CallbackFunctions *cb;
 } Lag;
 const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -17,7 +20,7 @@ fmi2Component fmi2Instantiate(fmi2String n, fmi2Type t, fmi2String g, fmi2String
     const fmi2CallbackFunctions *cb, fmi2Boolean vis, fmi2Boolean log) {
     (void)n; (void)t; (void)g; (void)r; (void)vis; (void)log;
     Lag *m = calloc(1, sizeof *m);
-    m->v[TAU] = 1.0; m->v[FAIL_AT] = 1e9; m->v[NAN_AT] = 1e9; m->cb = cb;
+    m->v[TAU] = 1.0; m->v[FAIL_AT] = 1e9; m->v[NAN_AT] = m->v[REACH] = m->v[MOST] = 1e9; m->cb = cb;
     return m;
 }
 void fmi2FreeInstance(fmi2Component c) { free(c); }
@@ -49,8 +52,18 @@ fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean f) {
         m->cb->logger(m->cb->componentEnvironment, "lag", fmi2Error, "logStatusError", "told to");
         return fmi2Error;
     }
+    m->reached = t;
+    if (h > m->v[MOST]) return fmi2Discard;
+    fmi2Status status = h > m->v[REACH] ? fmi2Discard : fmi2OK;
+    if (status) h = m->v[REACH];
+    m->reached = t + h;
     m->v[X] = t >= m->v[NAN_AT] ? NAN : m->v[U] + (m->v[X] - m->v[U]) * exp(-h / m->v[TAU]);
     m->n[1] = 2 * m->n[0];
     m->b[1] = !m->b[0];
-    return fmi2OK;
+    return status;
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, double *value) {
+    *value = ((Lag *)c)->reached;
+    if (((Lag *)c)->v[MUTE] != 0) return fmi2Discard;
+    return kind == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
 }

@@ -10,7 +10,7 @@ import time
 from collections.abc import Collection
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import fmpy
 import numpy as np
@@ -19,11 +19,15 @@ from fmpy import fmi2
 from . import values as single
 from .archive import described, unpack
 from .coupling import feedthrough
+from .discard import finish
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
 from .loader import explain
+from .units import Unit, declared
 from .values import group_of
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+DISCARD = 2
+LAST_TIME = 2  # fmi2LastSuccessfulTime
 GROUPS = ("Real", "Integer", "Boolean")
 LAST_MESSAGES = 5
 
@@ -39,7 +43,7 @@ class Fmu:
         self._slave: Any = None
         self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
         self._instantiated = False
-        self._stepping = False
+        self._stepping = self._discards = False
         self._directory = unpack(path)
         try:
             self._open()
@@ -87,6 +91,10 @@ class Fmu:
         steered = [v for v in self.description.modelVariables if v.causality == "parameter"
                    and v.variability == "tunable" and v.name in names]  # fmt: skip
         self.inputs = sorted([*self.inputs, *steered], key=lambda v: GROUPS.index(group_of(v)))
+
+    def unit(self, name: str) -> Unit | None:
+        """Return the unit that the FMU declares for a variable; None if it is not known."""
+        return declared(self.description, self.variables[name])[1]
 
     def feedthrough(self) -> dict[str, set[str]]:
         """Return output -> inputs that it depends on at the same instant."""
@@ -197,12 +205,27 @@ class Fmu:
         self.wall_time += time.perf_counter() - started
 
     def _step(self, t: float, h: float) -> None:
+        if self.attempt(t, h) == DISCARD:
+            finish(self, t, h)
+
+    def attempt(self, t: float, h: float) -> int:
+        """Set inputs, step, get outputs; returns fmi2Discard of a step that did not succeed."""
         self.set_inputs()
         self._t.value, self._h.value = t, h
         status = self._do_step()
+        if status == DISCARD:
+            return status
         if status > 1:
             self._fail("fmi2DoStep", status)
         self.get_outputs()
+        return 0
+
+    def reached(self) -> float | None:
+        """Return fmi2LastSuccessfulTime [s] after a discarded step; None if it is not told."""
+        value = ctypes.c_double()
+        function = self._slave.dll["fmi2GetRealStatus"]
+        status = function(self._component, ctypes.c_int(LAST_TIME), ctypes.byref(value))
+        return value.value if status <= 1 else None
 
     def _call(self, function: str, action: Any) -> None:
         try:
@@ -213,10 +236,20 @@ class Fmu:
     def _fail(self, function: str, status: int) -> None:
         self._stepping = False
         word = STATUS[status] if status < len(STATUS) else str(status)
-        what = f"returned fmi2{word}"
-        if word == "Discard" and function == "fmi2DoStep":
-            what += ": it cannot take this step; try a smaller one (system.step, or substeps)"
-        raise self._error(function, what)
+        raise self._error(function, f"returned fmi2{word}")
+
+    def note_discard(self, t: float) -> None:
+        """Tell in the log, once, that steps had to be divided."""
+        if not self._discards:
+            what = f"fmi2DoStep at t = {t!r} s returned fmi2Discard; this step was divided"
+            self.log.append({"component": self.name, "time": t, "status": "Warning",
+                             "category": "harness", "message": what})  # fmt: skip
+        self._discards = True
+
+    def give_up(self, why: str) -> NoReturn:
+        """Raise the error of a discarded step."""
+        self._stepping = False
+        raise self._error("fmi2DoStep", f"returned fmi2Discard: {why}")
 
     def _error(self, function: str, what: str) -> FmuRuntimeError:
         said = "".join(f"\n  {m['category']}: {m['message']}" for m in self.log[-LAST_MESSAGES:])

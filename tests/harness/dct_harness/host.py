@@ -177,6 +177,13 @@ class Host:
         self._numbers[2] = float(k)
         return status if 0 <= status <= 5 else 3
 
+    def reached(self) -> list[float]:
+        """Return status and value of fmi2LastSuccessfulTime [s]."""
+        value = ctypes.c_double()
+        kind = ctypes.c_int(2)  # fmi2LastSuccessfulTime
+        status = self._dll.fmi2GetRealStatus(self._component, kind, ctypes.byref(value))
+        return [status, value.value]
+
     def told(self) -> dict[str, Any]:
         """Return and forget the messages; how many were dropped; the working directory."""
         found, self.messages = self.messages, []

@@ -17,7 +17,7 @@ import numpy as np
 
 from .archive import described
 from .errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError
-from .fmu import GROUPS, STATUS, Fmu
+from .fmu import DISCARD, GROUPS, STATUS, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
 from .loader import explain
 from .remote import Remote
@@ -132,22 +132,35 @@ class Isolated(Fmu):
         self._do(b"O", "reading outputs")
         self._buffers[1][:] = self._got
 
-    def _step(self, t: float, h: float) -> None:
+    def attempt(self, t: float, h: float) -> int:
+        """As `Fmu.attempt`."""
         self._sent[:] = self._buffers[0]
         self._shared[0], self._shared[1] = t, h
-        self._do(b"S", "fmi2DoStep")
+        if self._do(b"S", "fmi2DoStep") == DISCARD:
+            return DISCARD
         self._buffers[1][:] = self._got
+        return 0
 
-    def _do(self, letter: bytes, what: str) -> None:
+    def reached(self) -> float | None:
+        """Return fmi2LastSuccessfulTime [s] after a discarded step; None if it is not told."""
+        status, value = self._remote.ask("reached", self.doing("fmi2GetRealStatus"))
+        return float(value) if status <= 1 else None
+
+    def _do(self, letter: bytes, what: str) -> int:
+        """Send a request; returns 0, or fmi2Discard of fmi2DoStep."""
         status = self._remote.send(letter, self.doing(what))
         if status == 0:
-            return
+            return 0
         if status % MORE == FORKED:
             raise self._remote.forked(self.doing(what))
         if status >= MORE:
             self._collect()
+        call = CALLS[int(self._shared[2]) % len(CALLS)]
+        if status % MORE == DISCARD and letter == b"S" and call == "fmi2DoStep":
+            return DISCARD
         if status % MORE > 1:
-            self._fail(CALLS[int(self._shared[2]) % len(CALLS)], status % MORE)
+            self._fail(call, status % MORE)
+        return 0
 
     def close(self) -> None:
         """Terminate and free if the process still answers; end it, remove the directory."""

@@ -1,0 +1,46 @@
+"""What to do when an FMU cannot take a step: fmi2Discard of fmi2DoStep (FMI 2.0.4, 4.2.2)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+SHORTEST = 1 / 4096  # of the communication step
+ROUNDING = 1e-9  # of the communication step
+
+
+def finish(fmu: Any, t: float, h: float) -> None:
+    """Take the rest of a discarded step from `t` to `t + h` [s], in smaller ones.
+
+    An FMU that got part of the way goes on from there; one that did not move tries half the step.
+    Inputs stay as they are.
+
+    Raises
+    ------
+    FmuRuntimeError
+        The FMU cannot vary its step, does not tell how far it got, or does not get on.
+    """
+    varies = fmu.description.coSimulation.canHandleVariableCommunicationStepSize
+    if str(varies).lower() != "true":
+        fmu.give_up("it cannot take this step and takes no other one; change system.step")
+    end, at, part = t + h, t, h
+    discarded = True
+    while end - at > ROUNDING * h:
+        if discarded:
+            at, part = _after(fmu, at, end, part)
+            if part < SHORTEST * h:
+                fmu.give_up(f"it does not get past t = {at!r} s, whatever the step")
+        part = min(part, end - at)
+        discarded = fmu.attempt(at, part)
+        if not discarded:
+            at += part
+    fmu.note_discard(t)
+
+
+def _after(fmu: Any, at: float, end: float, part: float) -> tuple[float, float]:
+    """Return where the FMU is after a discarded step of `part` from `at`, and the next step."""
+    reached = fmu.reached()
+    if reached is None:
+        fmu.give_up("it does not tell how far it got (fmi2GetRealStatus); choose a smaller step")
+    if not at <= reached <= at + part:
+        fmu.give_up(f"it says that it is at t = {reached!r} s, outside the step")
+    return (reached, end - reached) if reached > at else (at, part / 2)
