@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
+from dct_harness import results
 from dct_harness.units import KNOWN, Unit, conversion, declared
 from fmpy.model_description import BaseUnit, ModelDescription, ScalarVariable, SimpleType
 from fmpy.model_description import Unit as FmiUnit
+from harness_fixture.lag_fmu import LAG, run, variable, write_fmu, write_system
 
 
 @pytest.mark.parametrize(("unit", "value", "si", "in_si"), [
@@ -64,3 +67,67 @@ def test_a_unit_of_the_type_counts_and_a_difference_has_no_offset() -> None:
     kind = SimpleType(name="T", unit="degC", relativeQuantity=True)
     _, unit = _described("degC", BaseUnit(K=1, offset=273.15), declaredType=kind)
     assert (unit.factor, unit.offset) == (1.0, 0.0)
+
+
+GIVER = variable("x", 1, "output").replace("<Real/>", '<Real unit="{}"/>')
+TAKER = variable("v", 0, "input", "0").replace("<Real ", '<Real unit="{}" ')
+LINK = '[components.taker]\nfmu = "Taker.fmu"\n[[connections]]\nfrom = "plant.x"\nto = "taker.v"\n'
+
+
+def _connected(folder: Path, library: Path, units: tuple[str, str], more: str = "") -> Path:
+    """Write a system whose plant gives its output in one unit to a component that takes another."""
+    giver = [GIVER.format(units[0]) if 'name="x"' in text else text for text in LAG]
+    write_fmu(folder / "Lag.fmu", library, tuple(giver))
+    taker = (
+        TAKER.format(units[1]),
+        variable("y", 1, "output"),
+        variable("tau", 2, "parameter", "1"),
+    )
+    write_fmu(folder / "Taker.fmu", library, taker)
+    path = write_system(folder, "0.01")
+    path.write_text(path.read_text() + LINK + more)
+    return path
+
+
+@pytest.mark.parametrize(("units", "more", "factor", "offset"), [
+    (("rpm", "rad/s"), "", math.pi / 30, 0.0),
+    (("degC", "K"), "", 1.0, 273.15),
+    (("rad/s", "rad/s"), "", 1.0, 0.0),
+    (("furlong", "m"), "", 1.0, 0.0),  # not known: as it is
+    (("mm", "Pa"), "factor = 4.0\noffset = 1\n", 4.0, 1.0),
+    (("mm", "m"), "factor = 1.0\n", 1.0, 0.0),  # the entry counts, not the units
+])  # fmt: skip
+def test_a_connection_converts_declared_units(
+    tmp_path: Path, lag_library: Path, units: tuple[str, str], more: str, factor: float,
+    offset: float,
+) -> None:  # fmt: skip
+    done = run(_connected(tmp_path, lag_library, units, more), tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = results.load(tmp_path / "out")
+    y = [0.0]
+    for x in found["plant.x"][1:]:
+        feed = factor * x + offset
+        y.append(feed + (y[-1] - feed) * math.exp(-0.001))
+    assert found["taker.y"] == pytest.approx(y, abs=1e-12)
+    told = next(w for w in found.run["wiring"] if w["to"] == "taker.v")
+    if (factor, offset) != (1.0, 0.0):
+        assert (told["factor"], told["offset"]) == pytest.approx((factor, offset))
+
+
+def test_a_connection_between_quantities_is_refused(tmp_path: Path, lag_library: Path) -> None:
+    done = run(_connected(tmp_path, lag_library, ("mm", "Pa")), tmp_path)
+    assert done.returncode == 2
+    assert (
+        ":11:1: 'plant.x' to 'taker.v': 'mm' (m) cannot become 'Pa' (kg m-1 s-2); connect "
+        "another output, or say factor = … in a [[connections]] entry"
+    ) in done.stderr
+
+
+def test_a_factor_is_for_real_inputs(tmp_path: Path, lag_library: Path) -> None:
+    write_fmu(tmp_path / "Lag.fmu", lag_library, (*LAG, variable("n", 0, "input", "0", "Integer")))
+    path = write_system(tmp_path, "0.01", "time,u,n\n0,2,3\n")
+    wire = '[[connections]]\nfrom = "scenario.n"\nto = "plant.n"\nfactor = 2\n'
+    path.write_text(path.read_text() + wire)
+    done = run(path, tmp_path)
+    assert done.returncode == 2
+    assert "'plant.n' is Integer; factor and offset are for real inputs" in done.stderr

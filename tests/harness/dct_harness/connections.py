@@ -8,12 +8,17 @@ An estimate carries the name of the truth. Where both are there, the control rea
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from .errors import ConfigError, did_you_mean
 from .fmu import Fmu
+from .mapped import Mapped
 from .scenario import Scenario
 from .system import System
+from .transforms import Transform
+from .units import Unit, conversion
 from .values import group_of
 
 
@@ -63,7 +68,7 @@ def _source(
     return signal
 
 
-def types(fmus: dict[str, Fmu]) -> dict[str, str]:
+def types(fmus: Mapping[str, Fmu | Mapped]) -> dict[str, str]:
     """Return Real, Integer or Boolean of each input and output; enumerations are integers."""
     return {f"{n}.{v.name}": group_of(v) for n, f in fmus.items() for v in (*f.inputs, *f.outputs)}
 
@@ -75,6 +80,11 @@ def check_types(
     typed = types(fmus)
     for target, source in sources.items():
         component, _, name = source.partition(".")
+        if typed[target] != "Real" and target in system.transforms and not system.explicit:
+            raise ConfigError(
+                f"{_place(system, target)}: '{target}' is {typed[target]}; factor and offset are "
+                "for real inputs"
+            )
         if component == "scenario":
             _check_column(script, name, target, typed[target])
         elif typed[source] != typed[target] and not _converted(system, target):
@@ -89,6 +99,48 @@ def _place(system: System, target: str) -> str:
     if target in system.connections:
         return system.at_connection(target, "from")
     return system.at("components", target.partition(".")[0])
+
+
+def transforms(
+    system: System, fmus: dict[str, Fmu | Mapped], sources: dict[str, str]
+) -> dict[str, Transform]:
+    """Return what a value needs on its way to each input that takes it in another unit.
+
+    The factor and offset of a [[connections]] entry stand for themselves; an SSP file has told
+    everything. Where one end declares no unit that is known, a value passes as it is.
+
+    Raises
+    ------
+    ConfigError
+        The units of the ends measure different quantities.
+    """
+    found = dict(system.transforms)
+    typed = types(fmus)
+    for target, source in sources.items() if not system.explicit else ():
+        if target in found or source.startswith("scenario.") or typed[target] != "Real":
+            continue
+        ends = [_unit(fmus, end) for end in (source, target)]
+        if ends[0] is not None and ends[1] is not None:
+            change = Transform(*_converted_unit(system, source, target, ends[0], ends[1]))
+            found |= {target: change} if change.changes else {}
+    return found
+
+
+def _unit(fmus: dict[str, Fmu | Mapped], end: str) -> Unit | None:
+    component, _, name = end.partition(".")
+    return fmus[component].unit(name)
+
+
+def _converted_unit(
+    system: System, source: str, target: str, giver: Unit, taker: Unit
+) -> tuple[float, float]:
+    try:
+        return conversion(giver, taker)
+    except ValueError as error:
+        raise ConfigError(
+            f"{_place(system, target)}: '{source}' to '{target}': {error}; connect another output, "
+            "or say factor = … in a [[connections]] entry"
+        ) from error
 
 
 def _converted(system: System, target: str) -> bool:

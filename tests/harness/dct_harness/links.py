@@ -78,6 +78,10 @@ class Linker:
         own.unit = self._unit(entry, theirs).dimension if theirs.type == "Real" else None
         return own
 
+    def unit_of_own(self, entry: Entry) -> Unit:
+        """Return the SI unit of a variable under a name of the user's own."""
+        return Unit("SI", self._unit(entry, self._theirs[entry.variable]).exponents)
+
     def _check_types(self, entry: Entry, ours: Any, theirs: Any, causality: str) -> None:
         source, target = (theirs, ours) if causality == "output" else (ours, theirs)
         order = ("Boolean", "Integer", "Real")

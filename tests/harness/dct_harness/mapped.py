@@ -12,6 +12,7 @@ from .errors import ConfigError, FmuRuntimeError, did_you_mean
 from .fmu import Fmu
 from .links import Link, Linker, Translation
 from .mapping import Entry, Mapping, theirs
+from .units import Unit
 
 
 class Mapped:
@@ -29,6 +30,9 @@ class Mapped:
         self.outputs = [k.ours for k in self._out]
         self.outputs += [contract.variables[e.name] for e in self._derived]
         self._units = {n: contract.unit(n).name for n in self._set}
+        own = {e.name: linker.unit_of_own(e) for e in mapping.extra.values()}
+        self._sides = {v.name: own.get(v.name) or contract.unit(v.name)
+                       for v in (*self.inputs, *self.outputs)}  # fmt: skip
         self._refuse_two_sources()
         self._choose(fmu)
 
@@ -56,6 +60,10 @@ class Mapped:
     def variables(self) -> dict[str, Any]:
         """Parameters by our names; all of the supplier's by its names."""
         return {**self._fmu.variables, **{n: k.ours for n, k in self._set.items()}}
+
+    def unit(self, name: str) -> Unit | None:
+        """Return the unit in which an input or output passes: that of ours, SI."""
+        return self._sides.get(name)
 
     def feedthrough(self) -> dict[str, set[str]]:
         """Return output -> inputs that it depends on at the same instant, by our names."""

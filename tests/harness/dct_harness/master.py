@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import scenario as scenarios
-from .connections import check_types, resolve, types
+from .connections import check_types, resolve, transforms, types
 from .coupling import algebraic_loops, delayed, ranges
 from .errors import ConfigError, FmuRuntimeError, HarnessError
 from .fmu import Fmu
@@ -20,7 +20,7 @@ from .mapped import Mapped, apply_shared
 from .mapping import Mapping
 from .signals import describe
 from .system import System
-from .transforms import Conversion
+from .transforms import Conversion, Transform
 
 SWEEPS = 50  # of the initial values, beyond one per component
 SETTLED = 1e-14  # relative change of an initial value that counts as none
@@ -54,6 +54,7 @@ class Run:
         self.discrete: set[str] = set()
         self.parameters: dict[str, dict[str, dict[str, Any]]] = {}
         self.sources: dict[str, str] = {}
+        self.transforms: dict[str, Transform] = {}
         self.signals: dict[str, dict[str, Any]] = {}
         self.loops: list[list[str]] = []
         self.times = np.zeros(0)
@@ -107,6 +108,7 @@ class Run:
         self.times = communication_points(self.system.step, self.system.stop)
         self.sources = resolve(self.system, self.fmus, list(script.signals))
         check_types(self.system, self.fmus, self.sources, script)
+        self.transforms = transforms(self.system, self.fmus, self.sources)
         typed = types(self.fmus)
         held = {s for t, s in self.sources.items() if typed[t] != "Real"}
         used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
@@ -118,7 +120,7 @@ class Run:
         self.names += [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
         self.loops = algebraic_loops(self.fmus, self.sources)
         self._jacobi = self.system.coupling == "jacobi"
-        self.signals = describe(self.names, self.fmus, self.sources)
+        self.signals = describe(self.names, self.fmus, self.sources, self.transforms)
         self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
         self.world, self._zeros = np.zeros((2, len(self.names)))
         self._scripted = self.world[: len(used)]
@@ -139,7 +141,7 @@ class Run:
             first += len(fmu.outputs)
             self.gathers.append((fmu, np.array(where, dtype=np.intp), values))
             names = [v.name for v in fmu.inputs]
-            self._conversions.append(Conversion(name, names, self.system.transforms))
+            self._conversions.append(Conversion(name, names, self.transforms))
         self._scripted[:] = self.script[0]
         for fmu, _, _ in self.gathers:
             fmu.get_outputs()
@@ -262,10 +264,15 @@ class Run:
                 "order": self.system.coupling, "loops": self.loops,
                 "delayed": delayed(list(self.fmus), self.sources, self.system.coupling),
             },
-            "wiring": [{"from": s, "to": t} for t, s in self.sources.items()],
+            "wiring": self._wiring(),
             "log": sorted(log, key=lambda m: m["time"]),
             "wall_time": {n: f.wall_time for n, f in self.fmus.items()},
         }  # fmt: skip
+
+    def _wiring(self) -> list[dict[str, Any]]:
+        """Return source and target of each input, and what changes a value on its way."""
+        return [{"from": s, "to": t, **self.transforms.get(t, Transform()).as_dict()}
+                for t, s in self.sources.items()]  # fmt: skip
 
     def _out_of_range(self) -> list[dict[str, Any]]:
         """Return a warning for each output that has left its declared min and max."""

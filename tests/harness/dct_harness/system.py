@@ -81,7 +81,8 @@ class System:
         return {
             "name": self.name, "title": self.title, "step": self.step, "stop": self.stop,
             "file": str(self.path), "scenario": str(self.scenario or ""), "components": parts,
-            "connections": [{"from": s, "to": t} for t, s in self.connections.items()],
+            "connections": [{"from": s, "to": t, **self.transforms.get(t, Transform()).as_dict()}
+                            for t, s in self.connections.items()],
             "kpis": self.kpis, "coupling": self.coupling,
         }  # fmt: skip
 
@@ -110,7 +111,14 @@ def load(path: Path) -> System:
         path.parent / head["scenario"], components,
         {c["to"]: c["from"] for c in data.get("connections", [])}, path,
         data.get("kpis", []), head.get("coupling", "gauss-seidel"), places=document.places,
+        transforms=_transforms(data.get("connections", [])),
     )  # fmt: skip
+
+
+def _transforms(connections: list[dict[str, Any]]) -> dict[str, Transform]:
+    """Return what [[connections]] entries say of values on their way, by input."""
+    told = (c for c in connections if "factor" in c or "offset" in c)
+    return {c["to"]: Transform(float(c.get("factor", 1)), float(c.get("offset", 0))) for c in told}
 
 
 def _check_targets(document: tomlfile.Document) -> None:

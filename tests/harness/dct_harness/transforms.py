@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,12 @@ class Transform:
     def changes(self) -> bool:
         """Whether it does anything."""
         return bool(self.table) or (self.factor, self.offset) != (1.0, 0.0)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what differs from leaving a value alone, for `run.json`."""
+        line = {"factor": self.factor, "offset": self.offset}
+        table = {"table": [list(row) for row in self.table.items()]} if self.table else {}
+        return table or (line if self.changes else {})
 
 
 class Conversion:
