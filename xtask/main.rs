@@ -1,4 +1,4 @@
-//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | docs | ci`.
+//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | deny | docs | ci`.
 //!
 //! ```text
 //! main (arguments) ──> demo, test, bench: lists of steps ──> plan (runs them, says [3/9] …)
@@ -12,6 +12,7 @@
 
 mod bench;
 mod demo;
+mod dependencies;
 mod packages;
 mod plan;
 mod platforms;
@@ -28,11 +29,12 @@ cargo xtask COMMAND: the project's chores. Each sets up what it needs by itself.
 commands:
   demo [--open]  build the FMUs, run the paper's closed loop for both friction cases and write
                  target/report/index.html; --open shows it in a browser
-  test           every check: formatters, linters, Rust tests, docs, Python tests with the FMUs
+  test           every check: formatters, linters, licences, Rust tests, docs, Python tests with the FMUs
                  in fmpy, ecos, libcosim and the fmi crate
   bench [--quick]
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing
+  deny           licences, advisories, origin and place of every crate: cargo-deny, deny.toml
   docs           the docs site into target/docs
   platforms      FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, each
                  run over the paper's scenario, under qemu and wine, with the same bits
@@ -77,6 +79,7 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["test"] => plan::run(test::steps(&project)),
         ["bench"] => plan::run(bench::steps(&project, &[])),
         ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
+        ["deny"] => plan::run(deny(&project)),
         ["docs"] => plan::run(docs(&project)),
         ["platforms"] => plan::run(platforms::steps(&project)),
         ["ci"] => plan::run(ci(&project)),
@@ -86,6 +89,11 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         }
         _ => Err(Failure::Usage(format!("no command `{}`", words.join(" ")))),
     }
+}
+
+/// What `test` asks about dependencies, alone.
+fn deny(project: &Project) -> Vec<Step> {
+    vec![project.python_packages(), dependencies::step(project)]
 }
 
 /// The site of docs/, whose reference pages come from the code.

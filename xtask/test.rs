@@ -1,5 +1,6 @@
 //! `cargo xtask test`: every check, the quick ones first, pytest and its summary last.
 
+use crate::dependencies;
 use crate::packages;
 use crate::plan::{Step, execute};
 use crate::setup::{Package, Project};
@@ -22,6 +23,7 @@ pub fn steps(project: &Project) -> Vec<Step> {
             "linter: clippy",
             vec![clippy(project, &["--workspace"]), ecu_clippy(project)],
         ),
+        dependencies::step(project),
         Step::commands("Rust tests", vec![project.cargo(&["test", "--workspace"])]),
         Step::commands("Rust docs without warnings", vec![docs(project)]),
         packages::step(project),
