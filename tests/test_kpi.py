@@ -55,6 +55,28 @@ def test_sine_error_has_its_closed_form_rms_maximum_and_percentage() -> None:
     assert value(found, "estimation.ratio") == pytest.approx(ratio, rel=SAMPLED)
 
 
+def test_further_observers_count_by_their_own_name() -> None:
+    truth = sine(50.0)
+    late = round(0.02 / STEP)
+    run = results(plant__driveShaft__torque=truth, observer__driveShaft__torque=truth + 4.0,
+                  observer__mapBased__driveShaft__torque=truth + 12.0,
+                  kalman__driveShaft__torque=np.roll(truth, late),
+                  control__clutch1__position=truth)  # fmt: skip
+    found = kpi.compute(run, {})
+    assert {r["estimate"] for r in found["rows"]} == {"observer", "mapBased", "kalman", ""}
+    error = 2 * 50 * math.sin(math.pi * late * STEP) / math.sqrt(2)
+    own = {"signal": "driveShaft.torque", "estimate": "kalman"}
+    assert value(found, "estimation.rmse", **own) == pytest.approx(error, rel=SAMPLED)
+    assert value(found, "estimation.latency", **own) == pytest.approx(late * STEP, abs=STEP / 10)
+    assert value(found, "estimation.ratio", **own) == pytest.approx(12 / error, rel=SAMPLED)
+    assert value(found, "estimation.ratio", estimate="") == pytest.approx(3.0, rel=ROUNDING)
+    text = kpi.format_table(found)
+    line = next(line for line in text.splitlines() if line.startswith("kalman"))
+    assert line.split()[2] == f"{error:.2f}"
+    assert "kalman" not in kpi.format_table(kpi.compute(results(
+        plant__driveShaft__torque=truth, observer__driveShaft__torque=truth), {}))  # fmt: skip
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_perfect_estimate_is_zero_percent(seed: int) -> None:
     noise = np.random.default_rng(seed)

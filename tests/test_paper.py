@@ -21,7 +21,6 @@ SEEDS = range(12)
 CLEAN = 0.01  # relative: ω_c2/g2 stands for ω_o, and the shaft of the open clutch swings by itself
 CURED = 0.05  # relative, of the mean over all seeds
 TORQUES = ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
-CASES = ("paper_case1", "paper_case2")
 BETTER = 2.0  # than map and frozen friction, T_c1, T_c2 and T_o each
 MODEL_LIMIT = 0.1  # % of RMS T_o, promised for the control-oriented model
 UNDAMPED = 50.0  # % of RMS T_o that the conventional model misses at least; some 70 are expected
@@ -147,25 +146,31 @@ def _methods() -> list[str]:
     return [item.name for item in variable.declaredType.items]
 
 
-def _errors(loop: Results, estimate: str = "") -> np.ndarray:
+def _errors(loop: Results, prefix: str) -> np.ndarray:
     """Return the RMS errors of T_c1, T_c2, T_o [N·m] over the scenario."""
-    pairs = ((loop[f"observer.{estimate}{t}"], loop[f"plant.{t}"]) for t in TORQUES)
-    return np.array([rms(found - truth) for found, truth in pairs])
+    return np.array([rms(loop[f"{prefix}.{t}"] - loop[f"plant.{t}"]) for t in TORQUES])
 
 
-def _run(case: str, method: str, out: Path, *more: str) -> Results:
-    """Return a run with another method; the limits of the system file are those of `paper`."""
-    words = ["run", str(SYSTEMS / f"{case}.toml"), "--fmu-dir", str(FMUS), "--out", str(out), "-q"]
-    sets = (f'observer.observer.method="{method}"', *more)
-    assert cli.main([*words, *(word for text in sets for word in ("--set", text))]) in (0, 1)
-    return results.load(out)
+@pytest.mark.parametrize("case", [1, 2])
+def test_every_method_beats_the_map_and_the_frozen_friction(runs: Runs, case: int) -> None:
+    """Figs. 9 to 13: all methods beside one plant."""
+    loop = runs(f"methods_case{case}")
+    told = loop.run["parameters"]
+    by_method = {told[c]["observer.method"]["item"]: c for c in told
+                 if c not in ("plant", "nonAdaptive")}  # fmt: skip
+    assert sorted(by_method) == sorted(_methods())
+    for method, component in by_method.items():
+        errors = _errors(loop, component)
+        for reference in ("observer.mapBased", "nonAdaptive"):
+            assert (BETTER * errors <= _errors(loop, reference)).all(), (method, reference, errors)
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_every_method_beats_the_map_and_the_frozen_friction(case: str, tmp_path: Path) -> None:
-    """Figs. 9 to 13."""
-    frozen = _errors(_run(case, "paper", tmp_path / "frozen", "observer.adaptation.enabled=false"))
-    for method in _methods():
-        loop = _run(case, method, tmp_path / method)
-        assert (BETTER * _errors(loop) <= _errors(loop, "mapBased.")).all(), method
-        assert (BETTER * _errors(loop) <= frozen).all(), (method, _errors(loop), frozen)
+def test_observers_beside_one_another_tell_what_each_tells_alone(
+    runs: Runs, tmp_path: Path
+) -> None:
+    words = ["--fmu-dir", str(FMUS), "--out", str(tmp_path), "-q"]
+    method = 'observer.observer.method="calibrating"'
+    assert cli.main(["run", str(SYSTEMS / "paper_case2.toml"), *words, "--set", method]) == 0
+    alone, together = results.load(tmp_path), runs("methods_case2")
+    for torque in TORQUES:
+        assert (alone[f"observer.{torque}"] == together[f"calibrating.{torque}"]).all()

@@ -197,6 +197,20 @@ def test_tables_have_their_rows(visit: Visit) -> None:
     assert visit.page.locator("svg.diagram .box").count() == 4
 
 
+def test_methods_side_by_side_draw(browser: Browser, shots: Path, tmp_path: Path) -> None:
+    run = write_run(tmp_path / "run", "methods_case1", "Methods", methods=True)
+    visited = Visit(browser, report.write([run], tmp_path / "report", "Methods"))
+    figures = visited.page.evaluate(LINES)
+    assert all(f["drawn"] == f["wanted"] > 0 for f in figures), figures
+    assert {f["id"].partition("-")[0] for f in figures} >= {"torques", "errors", "friction"}
+    assert visited.page.locator("table.methods tbody tr").count() == 5
+    assert "Fig. 10 of the paper" in visited.page.locator("figcaption").nth(1).inner_text()
+    visited.page.locator("table.methods").scroll_into_view_if_needed()
+    visited.page.screenshot(path=shots / "methods.png")
+    assert visited.complaints == []
+    visited.page.close()
+
+
 def test_every_axis_names_its_unit(visit: Visit) -> None:
     titles = visit.page.eval_on_selector_all(
         ".plot .infolayer text[class*=title]",

@@ -17,13 +17,14 @@ import numpy as np
 import pytest
 from dct_harness import report, results, system
 from dct_harness.errors import ConfigError
-from dct_harness.report import benefit, cells, diagram, downsample, friction, runs
+from dct_harness.report import benefit, cells, diagram, downsample, friction, methods, runs
 from dct_harness.results import Results
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENARIOS = ROOT / "examples" / "closed_loop" / "scenarios"
 NOMINAL = {"paper_case1": (0.4, 0.1), "paper_case2": (0.1, 0.4)}
 RATIOS = (18.0, 11.52)
+TORQUES = ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
 HOSTILE = "<script>alert('x')</script> & <b>\"bold\"</b>"
 
 
@@ -77,6 +78,18 @@ def tracked(signals: dict[str, np.ndarray], error: float) -> None:
         signals[f"control.{clutch}.position"] = signals.pop(f"scenario.{clutch}.position")
 
 
+def beside(signals: dict[str, np.ndarray]) -> None:
+    """Add observers with the error of the first times a factor; one that keeps the map's."""
+    for name, factor in (("kalman", 0.5), ("mine", 2.0), ("nonAdaptive", None)):
+        for torque in TORQUES:
+            truth, own = signals[f"plant.{torque}"], signals[f"observer.{torque}"]
+            told = signals[f"observer.mapBased.{torque}"] if factor is None else (
+                truth + factor * (own - truth))  # fmt: skip
+            signals[f"{name}.{torque}"] = told
+        for clutch in ("clutch1", "clutch2"):
+            signals[f"{name}.{clutch}.muF"] = signals[f"observer.{clutch}.muF"]
+
+
 def limits_of(name: str) -> list[dict[str, Any]]:
     """Return the limits of a system in examples/, none for another name."""
     path = SCENARIOS.parent / f"{name}.toml"
@@ -100,7 +113,10 @@ def run_json(name: str, title: str, step: float, control: bool | None) -> dict[s
         wiring += [("scenario.clutch1.torqueRequest", "control"),
                    ("observer.clutch1.muF", "control"), ("control.clutch1.position", "plant"),
                    ("control.clutch1.position", "observer")]  # fmt: skip
+    told = {"observer": {"observer.method": {"value": 1, "unit": "", "item": "paper"}},
+            "nonAdaptive": {"adaptation.enabled": {"value": False, "unit": ""}}}  # fmt: skip
     return {
+        "parameters": told,
         "system": {"name": name, "title": title, "step": step, "stop": 30.0,
                    "scenario": str(SCENARIOS / "positions.csv"), "components": parts,
                    "kpis": limits_of(name)},
@@ -116,12 +132,14 @@ def run_json(name: str, title: str, step: float, control: bool | None) -> dict[s
 
 
 def write_run(out: Path, name: str, title: str, step: float = 0.01, **options: Any) -> Path:
-    """Write a synthetic run; options `control` (feedback on or off) and `drop` (signals)."""
+    """Write a synthetic run; options: `control` (feedback), `drop` (signals), `methods`."""
     control = options.get("control")
     signals = golden(step)
     estimates(signals, NOMINAL.get(name, (0.4, 0.1)))
     if control is not None:
         tracked(signals, 0.05 if control else 0.4)
+    if options.get("methods"):
+        beside(signals)
     signals["plant.energy.residual"] = 1e-4 * np.sin(signals["time"])
     kept = {n: v for n, v in signals.items() if not n.endswith(options.get("drop", ()))}
     run = run_json(name, title, step, control)
@@ -264,3 +282,22 @@ def test_a_pair_of_runs_says_what_the_estimates_buy(tmp_path: Path) -> None:
     assert float(tracking["ratio"]) == pytest.approx(found["value"], rel=0.05)
     assert tracking["worse"] is (found["value"] > 1)
     assert ("friction energy", "clutch 1") in rows
+
+
+def test_methods_stand_side_by_side(tmp_path: Path) -> None:
+    """Errors are half and twice the observer's, so its figures are the ones in the middle."""
+    (view,) = runs.load([write_run(tmp_path / "run", "paper_case1", "A", methods=True)])
+    table = methods.table(view)
+    by_name = {row["name"]: row["cells"] for row in table["rows"]}
+    assert list(by_name) == ["paper", "kalman", "mine", "non-adaptive", "map-based"]
+    first = {name: float(row[0]["text"]) for name, row in by_name.items()}
+    assert first["kalman"] == pytest.approx(first["paper"] / 2, rel=0.01)
+    assert first["mine"] == pytest.approx(first["paper"] * 2, rel=0.01)
+    assert [c["best"] for c in by_name["kalman"]] == [True, True, True, False] * 3
+    torque, error, coefficient = methods.drawn(view)
+    named = [t["name"] for t in torque["panels"][2]["traces"] if t["role"] != "event"]
+    assert named == ["true (plant)", "map-based", "non-adaptive", "paper", "kalman", "mine"]
+    assert [t["name"] for t in error["panels"][0]["traces"]] == ["paper", "kalman", "mine"]
+    assert "three methods" in error["caption"]
+    roles = [t["role"] for t in coefficient["panels"][0]["traces"]]
+    assert roles == ["truth", "map", "observer", "method4", "method2"]

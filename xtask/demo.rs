@@ -7,8 +7,8 @@ use std::process::Command;
 
 /// Result directory under `target/demo`, system file, feedback of the control.
 const RUNS: [(&str, &str, Option<bool>); 10] = [
-    ("paper_case1", "paper_case1", None),
-    ("paper_case2", "paper_case2", None),
+    ("methods_case1", "methods_case1", None),
+    ("methods_case2", "methods_case2", None),
     ("torque_tracking_case1", "torque_tracking_case1", Some(true)),
     (
         "torque_tracking_case1_no_feedback",
@@ -51,7 +51,8 @@ pub fn steps(project: &Project, open: bool) -> Vec<Step> {
 
 fn run(project: &Project, name: &str, system: &str, feedback: Option<bool>) -> Command {
     let file = format!("examples/closed_loop/{system}.toml");
-    let mut command = project.venv("dct-harness", &["run", &file, "--out"]);
+    let words = ["run", &file, "--format", "parquet", "--out"]; // of some runs 240 signals
+    let mut command = project.venv("dct-harness", &words);
     command.arg(format!("target/demo/{name}"));
     if let Some(enabled) = feedback {
         command

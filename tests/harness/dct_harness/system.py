@@ -8,6 +8,7 @@ from typing import Any
 
 from . import parameters, tomlfile
 from .errors import ConfigError, did_you_mean
+from .kpi.estimation import ESTIMATES
 from .kpi.registry import BY_KEY
 from .tomlplaces import Places
 from .transforms import Transform
@@ -134,8 +135,13 @@ def _check_targets(document: tomlfile.Document) -> None:
 
 
 def _check_kpis(document: tomlfile.Document) -> None:
-    """Refuse a limit on a KPI that does not exist."""
+    """Refuse a limit on a KPI or an estimate that does not exist."""
+    estimates = [*ESTIMATES, *document.data["components"]]
     for k, limit in enumerate(document.data.get("kpis", [])):
+        by = limit.get("estimate", "")
+        if by and by not in estimates:
+            where, hint = document.at("kpis", k, "estimate"), did_you_mean(by, estimates)
+            raise ConfigError(f"{where}: kpis: no estimate '{by}' ({', '.join(estimates)}).{hint}")
         if limit["kpi"] not in BY_KEY:
             hint = did_you_mean(limit["kpi"], BY_KEY)
             where = document.at("kpis", k, "kpi")

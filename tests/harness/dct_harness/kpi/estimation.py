@@ -1,4 +1,8 @@
-"""Errors of the observer's and the map-based torque estimates against the plant's truth."""
+"""Errors of all torque estimates of a run against the plant's truth.
+
+Beside the component `observer` and its map-based estimate, every other component that tells the
+torques counts by its own name: several methods side by side at one plant.
+"""
 
 from __future__ import annotations
 
@@ -12,32 +16,49 @@ from .rows import Row, rms
 from .scopes import Phase, phase_masks, state_masks
 
 TORQUES = {"clutch1.torque": "T_c1", "clutch2.torque": "T_c2", "driveShaft.torque": "T_o"}
-ESTIMATES = {"observer": "observer.", "mapBased": "observer.mapBased."}
+OBSERVER, MAP = "observer", "mapBased"
+ESTIMATES = {OBSERVER: "observer.", MAP: "observer.mapBased."}
+PLANT = "plant"
+
+
+def estimates(results: Results) -> dict[str, str]:
+    """Return estimate -> prefix of its signals: observer, map, then other components by name."""
+    found = {name: prefix for name, prefix in ESTIMATES.items() if _tells(results, prefix)}
+    parts = dict.fromkeys(name.partition(".")[0] for name in results.signals)
+    others = (c for c in parts if c not in (PLANT, OBSERVER) and _tells(results, f"{c}."))
+    return found | {c: f"{c}." for c in others}
+
+
+def _tells(results: Results, prefix: str) -> bool:
+    return any(prefix + torque in results for torque in TORQUES)
 
 
 def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
     """Yield the estimation KPIs of every torque, estimate and scope that the run has."""
+    known = estimates(results)
     for torque in TORQUES:
         if f"plant.{torque}" not in results:
             continue
+        found = {e: results[p + torque] for e, p in known.items() if p + torque in results}
         scopes = phase_masks(results.time, phases) | state_masks(results, torque)
         for scope, mask in scopes.items():
-            yield from _scope(results, torque, scope, mask)
+            yield from _scope(results[f"plant.{torque}"], found, torque, scope, mask)
 
 
-def _scope(results: Results, torque: str, scope: str, mask: np.ndarray) -> Iterator[Row]:
-    truth = results[f"plant.{torque}"]
+def _scope(
+    truth: np.ndarray, found: dict[str, np.ndarray], torque: str, scope: str, mask: np.ndarray
+) -> Iterator[Row]:
     whole = rms(truth)
     errors = {}
-    for estimate, prefix in ESTIMATES.items():
-        if prefix + torque not in results:
-            continue
-        error = (results[prefix + torque] - truth)[mask]
+    for estimate, values in found.items():
+        error = (values - truth)[mask]
         errors[estimate] = rms(error)
         percent = 100 * errors[estimate] / whole if whole > 0 else None
         yield Row(registry.RMSE, torque, scope, errors[estimate], estimate)
         yield Row(registry.MAX_ABS, torque, scope, float(np.abs(error).max()), estimate)
         yield Row(registry.PERCENT, torque, scope, percent, estimate)
-    if len(errors) == len(ESTIMATES):
-        better = errors["observer"]
-        yield Row(registry.RATIO, torque, scope, errors["mapBased"] / better if better else None)
+    for estimate, error in errors.items():
+        if estimate != MAP and MAP in errors:
+            name = "" if estimate == OBSERVER else estimate
+            ratio = errors[MAP] / error if error else None
+            yield Row(registry.RATIO, torque, scope, ratio, name)

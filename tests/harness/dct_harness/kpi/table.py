@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import registry
-from .estimation import ESTIMATES, TORQUES
+from . import registry, side_by_side
+from .estimation import ESTIMATES, OBSERVER, TORQUES
 
 UNDEFINED = "–"
 ERROR_KEYS = {kpi.key for kpi in registry.ERRORS}
@@ -50,11 +50,26 @@ def estimation_cells(kpis: dict[str, Any]) -> list[list[str]]:
 
 
 def other_cells(kpis: dict[str, Any]) -> list[list[str]]:
-    """Return KPI title, signal, scope, value, unit of all that is not in the table of errors."""
+    """Return KPI title, signal, scope, value, unit of all that is in no table of errors."""
     return [
         [registry.BY_KEY[r["kpi"]].title, r["signal"], r["scope"], shown(r), r["unit"]]
-        for r in kpis["rows"] if r["kpi"] not in ERROR_KEYS
+        for r in kpis["rows"] if r["kpi"] not in ERROR_KEYS and r["estimate"] in ("", OBSERVER)
     ]  # fmt: skip
+
+
+def method_cells(kpis: dict[str, Any]) -> list[list[str]]:
+    """Return each estimate with its errors over the scenario; empty for a single observer."""
+    if not side_by_side.others(kpis):
+        return []
+    return [
+        [estimate, *(UNDEFINED if row is None else shown(row) for row in rows)]
+        for estimate, rows in side_by_side.lines(kpis).items()
+    ]
+
+
+def _method_head(kpis: dict[str, Any]) -> list[str]:
+    names = [TORQUES[torque] for torque in side_by_side.torques(kpis)]
+    return ["estimate", *(f"{name} {f}" for name in names for f in side_by_side.FIGURES)]
 
 
 def limit_cells(judged: list[dict[str, Any]]) -> list[list[str]]:
@@ -81,6 +96,7 @@ def format_table(kpis: dict[str, Any]) -> str:
     """Return all KPIs of `compute` as aligned text: estimates [N·m, %], the rest, the limits."""
     parts = [
         aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1),
+        aligned(_method_head(kpis), method_cells(kpis), lambda k: k > 0),
         aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
         aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (3, 4)),
         f"verdict: {kpis['verdict']}",

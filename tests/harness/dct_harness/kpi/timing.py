@@ -3,30 +3,48 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..results import Results
 from . import registry
-from .estimation import ESTIMATES, TORQUES
+from .estimation import MAP, TORQUES, estimates
 from .rows import Row, rms
 from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, phase_masks, state_masks
-
-OBSERVER = "observer"
 
 
 def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
     """Yield latency per scope and settling time per event of every torque the observer tells."""
     moments = events(results)
+    observers = {e: p for e, p in estimates(results).items() if e != MAP}
     for torque in TORQUES:
-        names = f"plant.{torque}", ESTIMATES[OBSERVER] + torque
-        if all(name in results for name in names):
-            truth, estimate = (results[name] for name in names)
-            scopes = phase_masks(results.time, phases) | state_masks(results, torque)
-            for scope, mask in scopes.items():
-                late = latency(truth, estimate, mask, results.time)
-                yield Row(registry.LATENCY, torque, scope, late, OBSERVER)
-            yield from _settling(results.time, truth, estimate, torque, moments)
+        if f"plant.{torque}" not in results:
+            continue
+        truth = results[f"plant.{torque}"]
+        scopes = phase_masks(results.time, phases) | state_masks(results, torque)
+        for name, prefix in observers.items():
+            if prefix + torque in results:
+                told = Told(torque, name, results[prefix + torque])
+                yield from _latencies(results.time, truth, told, scopes)
+                yield from _settling(results.time, truth, told, moments)
+
+
+@dataclass(frozen=True)
+class Told:
+    """What an observer says of a torque, shape (n,)."""
+
+    torque: str
+    by: str
+    values: np.ndarray
+
+
+def _latencies(
+    time: np.ndarray, truth: np.ndarray, told: Told, scopes: dict[str, np.ndarray]
+) -> Iterator[Row]:
+    for scope, mask in scopes.items():
+        late = latency(truth, told.values, mask, time)
+        yield Row(registry.LATENCY, told.torque, scope, late, told.by)
 
 
 def latency(
@@ -72,21 +90,20 @@ def events(results: Results) -> list[tuple[int, str]]:
 
 
 def _settling(
-    time: np.ndarray, truth: np.ndarray, estimate: np.ndarray, torque: str,
-    moments: list[tuple[int, str]],
-) -> Iterator[Row]:  # fmt: skip
+    time: np.ndarray, truth: np.ndarray, told: Told, moments: list[tuple[int, str]]
+) -> Iterator[Row]:
     """Yield the settling time after each event, and the longest of them."""
-    inside = np.abs(estimate - truth) <= registry.SETTLED * rms(truth)
+    inside = np.abs(told.values - truth) <= registry.SETTLED * rms(truth)
     ends = [*(k for k, _ in moments), len(time) - 1][1:]
     found: list[float | None] = []
     for count, ((k, name), end) in enumerate(zip(moments, ends, strict=True), 1):
         if time[end] - time[k] >= registry.DWELL:
             found.append(settling(time[k:end], inside[k:end]))
-            yield Row(registry.SETTLING, torque, f"event/{count} {name}", found[-1], OBSERVER)
+            yield Row(registry.SETTLING, told.torque, f"event/{count} {name}", found[-1], told.by)
     if found:
         known = [value for value in found if value is not None]
         longest = max(known) if len(known) == len(found) else None
-        yield Row(registry.SETTLING, torque, SCENARIO, longest, OBSERVER)
+        yield Row(registry.SETTLING, told.torque, SCENARIO, longest, told.by)
 
 
 def settling(time: np.ndarray, inside: np.ndarray) -> float | None:

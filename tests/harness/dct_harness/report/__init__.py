@@ -15,13 +15,14 @@ from plotly.offline import get_plotlyjs
 
 from .. import __version__, results
 from ..kpi import KPIS
-from . import benefit, cells, diagram, downsample, earlier, figures, runs, shaft_model
+from . import benefit, cells, diagram, downsample, earlier, figures, methods, runs, shaft_model
 from .picture import picture
 from .runs import View
 
 __all__ = ["picture", "write", "write_views"]
 
 PAGE = "index.html"
+SINGLE = (figures.torques, figures.friction, figures.track)  # what one observer shows
 
 
 def write(run_dirs: Sequence[str | Path], out_dir: str | Path, title: str) -> Path:
@@ -114,11 +115,13 @@ def _phases(views: list[View]) -> list[dict[str, Any]]:
 def _section(view: View, earlier: list[View]) -> dict[str, Any]:
     """Return a run with its figures; a driveline already shown is referred to."""
     twin = next((e for e in earlier if _same_plant(view, e)), None)
-    makers = (figures.torques, figures.friction, figures.track)
-    made = [figure for make in makers if (figure := make(view)) is not None]
+    makers = (figures.track,) if methods.several(view) else SINGLE
+    made = methods.drawn(view) if methods.several(view) else []
+    made += [figure for make in makers if (figure := make(view)) is not None]
     if twin is None and (first := figures.driveline(view)) is not None:
         made.insert(0, first)
-    return {"view": view, "figures": made, "twin": twin}
+    side = methods.table(view) if methods.several(view) else None
+    return {"view": view, "figures": made, "twin": twin, "methods": side}
 
 
 def _same_plant(a: View, b: View) -> bool:

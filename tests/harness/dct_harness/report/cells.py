@@ -82,7 +82,8 @@ def limit_rows(judged: list[tuple[View, Json]]) -> list[Json]:
     """Return every limit with the run it judges."""
     return [
         {"run": view.title, "slug": view.slug, "title": registry.BY_KEY[j["kpi"]].title,
-         "signal": j["signal"], "value": shown(j), "unit": "" if j["unit"] == "1" else j["unit"],
+         "signal": " ".join(filter(None, (j["signal"], j["estimate"]))), "value": shown(j),
+         "unit": "" if j["unit"] == "1" else j["unit"],
          "bound": f"{'≤' if j['relation'] == '<=' else '≥'} {j['limit']:g}",
          "scope": scope_label(j["scope"]), "pass": j["pass"]}
         for view, j in judged

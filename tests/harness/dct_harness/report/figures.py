@@ -40,7 +40,7 @@ def trace(view: View, values: np.ndarray, role: str, name: str) -> Json:
             "y": pack(values[index])}  # fmt: skip
 
 
-def _lines(view: View, *wanted: tuple[str, str, str, float]) -> list[Json]:
+def signal_lines(view: View, *wanted: tuple[str, str, str, float]) -> list[Json]:
     """Return lines for those of (signal, role, name, factor) that the run has."""
     found = []
     for signal, role, name, factor in wanted:
@@ -96,13 +96,18 @@ def _marks(view: View, clutch: str, values: np.ndarray) -> list[Json]:
     }]  # fmt: skip
 
 
+def state_shades(view: View, clutch: str) -> list[Json]:
+    """Return the states of a clutch as full-height bands."""
+    return [{**span, "y0": 0, "y1": 1} for span in view.spans(clutch)]
+
+
 def driveline(view: View) -> Json | None:
     """Return Fig. 9: actuator positions, driveline speeds, clutch states."""
     positions = []
     for clutch in CLUTCHES:
         if found := position_of(view.results, clutch):
-            positions += _lines(view, (found, clutch, LABEL[clutch], MM))
-    speeds = _lines(
+            positions += signal_lines(view, (found, clutch, LABEL[clutch], MM))
+    speeds = signal_lines(
         view, ("plant.engine.speed", "engine", "engine", RPM),
         *((f"plant.{c}.speed", c, LABEL[c], RPM) for c in CLUTCHES),
         ("plant.wheel.speed", "wheel", "wheel", RPM),
@@ -132,13 +137,13 @@ def torques(view: View) -> Json | None:
     """Return Fig. 10 or 12: true, map-based and observed torques, one panel each."""
     panels = []
     for torque, title in TORQUE_TITLES.items():
-        lines = _lines(
+        lines = signal_lines(
             view, (f"plant.{torque}", "truth", "true (plant)", 1.0),
             (f"observer.mapBased.{torque}", "map", "map-based", 1.0),
             (f"observer.{torque}", "observer", "observer", 1.0),
         )  # fmt: skip
         clutch = torque.partition(".")[0]
-        shades = [{**s, "y0": 0, "y1": 1} for s in view.spans(clutch)]
+        shades = state_shades(view, clutch)
         if f"plant.{torque}" in view.results:
             lines += _marks(view, clutch, view.results[f"plant.{torque}"])
         panels.append({"title": title, "traces": lines, "shades": shades})
@@ -154,7 +159,7 @@ def friction(view: View) -> Json | None:
         roles = {"truth": "true T_c / (r N θ)", "map": "nominal μₙ·f", "observer": "adapted μ·f"}
         lines = [trace(view, known[r] * KILO, r, n) for r, n in roles.items() if r in known]
         lines += _friction_before(view, clutch, known)
-        shades = [{**s, "y0": 0, "y1": 1} for s in view.spans(clutch)]
+        shades = state_shades(view, clutch)
         title = f"μ·f {LABEL[clutch]} [kN/m]"
         panels.append({"title": title, "traces": lines, "shades": shades})
     caption = "Friction coefficient times force per stroke, μ·f"
@@ -189,7 +194,7 @@ def _track_panels(clutch: str, runs: list[tuple[View, str]]) -> Iterator[Json]:
     if request not in view.results:
         return
     names = {"closed": "with feedback", "opened": "without feedback"}
-    torque = _lines(view, (request, "truth", "request", 1.0))
+    torque = signal_lines(view, (request, "truth", "request", 1.0))
     errors = []
     for run, role in runs:
         signal = f"plant.{clutch}.torque"
@@ -199,7 +204,7 @@ def _track_panels(clutch: str, runs: list[tuple[View, str]]) -> Iterator[Json]:
         values = tracking.error(run.results, clutch)
         if values is not None:
             errors.append(trace(run, values, role, names[role]))
-    shades = [{**s, "y0": 0, "y1": 1} for s in view.spans(clutch)]
+    shades = state_shades(view, clutch)
     yield {"title": f"|T<sub>c{clutch[-1]}</sub>| [N·m]", "traces": torque, "shades": shades}
     yield {"title": f"error {LABEL[clutch]} [N·m]", "traces": errors, "shades": shades,
            "weight": 0.8}  # fmt: skip
@@ -211,7 +216,7 @@ def energy(views: list[View]) -> Json | None:
     own = [v for v in views if signal in v.results]
     panels = [
         {"title": "residual [J]", "heading": escape(v.title),
-         "traces": _lines(v, (signal, "observer", "energy residual", 1.0))}
+         "traces": signal_lines(v, (signal, "observer", "energy residual", 1.0))}
         for v in own
     ]  # fmt: skip
     if not panels:

@@ -18,7 +18,10 @@ from ..kpi.scopes import STATES, clutch_state
 from ..results import Results
 from ..results import load as load_results
 
-PAPER_FIGURES = {"paper_case1": ("10", "11"), "paper_case2": ("12", "13")}
+PAPER_FIGURES = {
+    f"{system}_case{case}": figures
+    for case, figures in ((1, ("10", "11")), (2, ("12", "13"))) for system in ("paper", "methods")
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@
   const MARKS = { slipping: "triangle-up", engaged: "circle", disengaged: "triangle-down-open" };
   const STYLES = {
     truth: { width: 2.6 }, engine: { width: 3 }, map: { width: 1.6, dash: "dash" }, observer: { width: 1.5 },
-    closed: { width: 1.6 }, opened: { width: 1.5, dash: "dash" },
+    method2: { width: 1.5, dash: "dashdot" }, method3: { width: 1.5 }, method4: { width: 1.5, dash: "6px,2px" },
+    method5: { width: 1.5 }, frozen: { width: 1.4, dash: "dot" }, closed: { width: 1.6 }, opened: { width: 1.5, dash: "dash" },
   };
   const BEFORE = { width: 1.3, dash: "dot" }; // a line of the run to compare with
   const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40 };
