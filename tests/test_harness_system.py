@@ -57,6 +57,8 @@ WIRE = '[[connections]]\nfrom = "{}"\nto = "{}"\n'
     ("[components.other]\nfmu = 'None.fmu'", ":9:1: {folder}/None.fmu: cannot read the FMU: No "
      "such file or directory (--fmu-dir says where FMUs are)"),
     (LIMIT.format("estimation.rmes", "max = 1"), ":9:1: kpis: no KPI 'estimation.rmes'. Did you"),
+    (LIMIT.format("estimation.rmse", "max = 1\nestimate = 'plnt'"),
+     ":12:1: kpis: no estimate 'plnt' (observer, mapBased, plant). Did you mean 'plant'?"),
 ])  # fmt: skip
 def test_a_name_that_nothing_has_is_told_with_its_line(
     tmp_path: Path, lag_dir: Path, more: str, said: str

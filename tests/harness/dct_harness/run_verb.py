@@ -172,7 +172,7 @@ def _cases(record: dict[str, Any], kpis: dict[str, Any] | None) -> list[junit.Ca
     cases = [junit.Case("run", "reaches its end", record["error"])]
     for judged in kpis["limits"] if kpis else ():
         cells = kpi.table.limit_cells([judged])[0]
-        what = " ".join(part for part in (*cells[:3], judged["estimate"]) if part)
+        what = " ".join(cells[:3])
         missed = None if judged["pass"] else f"{what}: {cells[3]}, limit {cells[4]}"
         cases.append(junit.Case("limits", what, missed))
     return cases

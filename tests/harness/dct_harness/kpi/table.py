@@ -75,10 +75,15 @@ def _method_head(kpis: dict[str, Any]) -> list[str]:
 def limit_cells(judged: list[dict[str, Any]]) -> list[list[str]]:
     """Return KPI title, signal, scope, value, limit, verdict of each limit."""
     return [
-        [registry.BY_KEY[j["kpi"]].title, j["signal"], j["scope"], _with_unit(shown(j), j),
+        [registry.BY_KEY[j["kpi"]].title, of(j), j["scope"], _with_unit(shown(j), j),
          _with_unit(f"{j['relation']} {j['limit']:g}", j), "pass" if j["pass"] else "FAIL"]
         for j in judged
     ]  # fmt: skip
+
+
+def of(row: dict[str, Any]) -> str:
+    """Return the signal of a row, and whose estimate of it where that is told."""
+    return " ".join(filter(None, (row["signal"], row["estimate"])))
 
 
 def _with_unit(text: str, row: dict[str, Any]) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..kpi import registry
 from ..kpi.estimation import TORQUES
-from ..kpi.table import ERROR_KEYS, ESTIMATION_HEAD, UNDEFINED, estimation_cells, number, shown
+from ..kpi.table import ERROR_KEYS, ESTIMATION_HEAD, UNDEFINED, estimation_cells, number, of, shown
 from .runs import View
 
 Json = dict[str, Any]
@@ -82,7 +82,7 @@ def limit_rows(judged: list[tuple[View, Json]]) -> list[Json]:
     """Return every limit with the run it judges."""
     return [
         {"run": view.title, "slug": view.slug, "title": registry.BY_KEY[j["kpi"]].title,
-         "signal": " ".join(filter(None, (j["signal"], j["estimate"]))), "value": shown(j),
+         "signal": of(j), "value": shown(j),
          "unit": "" if j["unit"] == "1" else j["unit"],
          "bound": f"{'≤' if j['relation'] == '<=' else '≥'} {j['limit']:g}",
          "scope": scope_label(j["scope"]), "pass": j["pass"]}
