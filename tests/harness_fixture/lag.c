@@ -1,13 +1,14 @@
 /* First-order lag x' = (u - x) / tau, stepped exactly; the harness tests' own small FMU. Besides,
  * m becomes 2 n and c becomes not b at every step. `delay` is how long a step takes [s]. A step longer
  * than `reach` ends in Discard after `reach`, one longer than `most` in Discard at its beginning;
- * `mute` other than 0: it does not tell how far it got. */
+ * `mute` other than 0: it does not tell how far it got. y = gain u + bias at once. Within a step u goes
+ * on with the slope that fmi2SetRealInputDerivatives gave. */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>
 #include "fmi2Functions.h"
-enum { U, X, TAU, FAIL_AT, NAN_AT, DELAY, REACH, MOST, MUTE, REALS }; /* value references of reals: doStep returns */
+enum { U, X, TAU, FAIL_AT, NAN_AT, DELAY, REACH, MOST, MUTE, Y, GAIN, BIAS, SLOPE, REALS }; /* value references of reals: doStep returns */
 typedef struct {                                   /* Error from FAIL_AT, x is NaN from NAN_AT   */
     double v[REALS];
     int n[2], b[2]; /* value references: 0 input, 1 output */
@@ -30,10 +31,12 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) { (void)c; return fmi2OK
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { (void)c; return fmi2OK; }
+static void answer(Lag *m) { m->v[Y] = m->v[GAIN] * m->v[U] + m->v[BIAS]; }
 #define ACCESS(type, field) \
     fmi2Status fmi2Set##type(fmi2Component c, const fmi2ValueReference r[], size_t n, \
         const fmi2##type v[]) { \
         for (size_t i = 0; i < n; i++) ((Lag *)c)->field[r[i]] = v[i]; \
+        answer(c); \
         return fmi2OK; \
     } \
     fmi2Status fmi2Get##type(fmi2Component c, const fmi2ValueReference r[], size_t n, \
@@ -57,7 +60,9 @@ fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean f) {
     fmi2Status status = h > m->v[REACH] ? fmi2Discard : fmi2OK;
     if (status) h = m->v[REACH];
     m->reached = t + h;
-    m->v[X] = t >= m->v[NAN_AT] ? NAN : m->v[U] + (m->v[X] - m->v[U]) * exp(-h / m->v[TAU]);
+    double late = m->v[U] - m->v[SLOPE] * m->v[TAU]; /* what x follows, behind a ramp */
+    m->v[X] = t >= m->v[NAN_AT] ? NAN
+        : late + m->v[SLOPE] * h + (m->v[X] - late) * exp(-h / m->v[TAU]);
     m->n[1] = 2 * m->n[0];
     m->b[1] = !m->b[0];
     return status;
@@ -66,4 +71,10 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, double *value
     *value = ((Lag *)c)->reached;
     if (((Lag *)c)->v[MUTE] != 0) return fmi2Discard;
     return kind == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
+}
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+    const fmi2Integer order[], const fmi2Real v[]) {
+    if (n != 1 || r[0] != U || order[0] != 1) return fmi2Error;
+    ((Lag *)c)->v[SLOPE] = v[0];
+    return fmi2OK;
 }

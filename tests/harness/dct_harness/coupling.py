@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
+
+from .graph import loops
 
 ORDERS = ("gauss-seidel", "jacobi")
 
@@ -22,21 +25,24 @@ def delayed(order: list[str], sources: dict[str, str], coupling: str) -> list[di
     return found
 
 
-def feedthrough(description: Any) -> dict[str, set[str]]:
-    """Return output -> inputs that it depends on at the same instant.
+def feedthrough(description: Any, initial: bool = False) -> dict[str, set[str]]:
+    """Return output -> inputs that it depends on at the same instant; or in initialisation mode.
 
     An output without stated dependencies may depend on every input (FMI 2.0.4, 2.2.8).
     """
     inputs = {v.name for v in description.modelVariables if v.causality == "input"}
+    unknowns = {u.variable.name: u for u in description.outputs}
+    if initial:
+        first = {u.variable.name: u for u in description.initialUnknowns}
+        unknowns = {name: first.get(name, u) for name, u in unknowns.items()}
     found = {}
-    for unknown in description.outputs:
+    for name, unknown in unknowns.items():
         named = unknown.dependencies
-        direct = inputs if named is None else inputs & {v.name for v in named}
-        found[unknown.variable.name] = set(direct)
+        found[name] = set(inputs if named is None else inputs & {v.name for v in named})
     return found
 
 
-def algebraic_loops(fmus: dict[str, Any], sources: dict[str, str]) -> list[list[str]]:
+def algebraic_loops(fmus: Mapping[str, Any], sources: dict[str, str]) -> list[list[str]]:
     """Return the loops of signals that depend on themselves at one instant, each sorted."""
     edges: dict[str, set[str]] = {}
     for target, source in sources.items():
@@ -45,30 +51,7 @@ def algebraic_loops(fmus: dict[str, Any], sources: dict[str, str]) -> list[list[
         for output, inputs in fmu.feedthrough().items():
             for variable in inputs:
                 edges.setdefault(f"{name}.{variable}", set()).add(f"{name}.{output}")
-    return sorted(sorted(part) for part in _cycles(edges))
-
-
-def _cycles(edges: dict[str, set[str]]) -> list[set[str]]:
-    """Return the strongly connected parts with more than one node."""
-    reached = {node: _reach(node, edges) for node in edges}
-    found: list[set[str]] = []
-    for node, after in reached.items():
-        part = {other for other in after if node in reached.get(other, ())}
-        if node in after and part not in found:
-            found.append(part)
-    return found
-
-
-def _reach(start: str, edges: dict[str, set[str]]) -> set[str]:
-    """Return every node that can be reached from a node in one step or more."""
-    seen: set[str] = set()
-    ends = [start]
-    while ends:
-        for node in edges.get(ends.pop(), ()):
-            if node not in seen:
-                seen.add(node)
-                ends.append(node)
-    return seen
+    return loops(edges)
 
 
 def ranges(fmus: dict[str, Any]) -> dict[str, tuple[float, float]]:

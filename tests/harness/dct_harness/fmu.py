@@ -96,9 +96,9 @@ class Fmu:
         """Return the unit that the FMU declares for a variable; None if it is not known."""
         return declared(self.description, self.variables[name])[1]
 
-    def feedthrough(self) -> dict[str, set[str]]:
-        """Return output -> inputs that it depends on at the same instant."""
-        return feedthrough(self.description)
+    def feedthrough(self, initial: bool = False) -> dict[str, set[str]]:
+        """Return output -> inputs that it depends on at the same instant, or initially."""
+        return feedthrough(self.description, initial)
 
     def identity(self) -> dict[str, str]:
         """Return what `run.json` records of the FMU."""

@@ -65,9 +65,9 @@ class Mapped:
         """Return the unit in which an input or output passes: that of ours, SI."""
         return self._sides.get(name)
 
-    def feedthrough(self) -> dict[str, set[str]]:
+    def feedthrough(self, initial: bool = False) -> dict[str, set[str]]:
         """Return output -> inputs that it depends on at the same instant, by our names."""
-        raw = self._fmu.feedthrough()
+        raw = self._fmu.feedthrough(initial)
         names = {k.theirs.name: k.ours.name for k in self._in}
         every = set(names)
         found = {k.ours.name: {names[n] for n in raw.get(k.theirs.name, every) if n in names}

@@ -15,6 +15,7 @@ from .connections import check_types, resolve, transforms, types
 from .coupling import algebraic_loops, delayed, ranges
 from .errors import ConfigError, FmuRuntimeError, HarnessError
 from .fmu import Fmu
+from .initial import Initialization, Member
 from .isolated import Limits, load
 from .mapped import Mapped, apply_shared
 from .mapping import Mapping
@@ -22,8 +23,6 @@ from .signals import describe
 from .system import System
 from .transforms import Conversion, Transform
 
-SWEEPS = 50  # of the initial values, beyond one per component
-SETTLED = 1e-14  # relative change of an initial value that counts as none
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 
@@ -127,64 +126,37 @@ class Run:
         self._samples = np.zeros((len(self.times), len(self.names)))
 
     def _initialize(self) -> None:
-        """Start all FMUs and propagate initial values until every chain has been followed."""
+        """Start all FMUs and pass initial values on, each after those that it depends on."""
         index = {name: k for k, name in enumerate(self.names)}
-        self.gathers: list[tuple[Fmu, np.ndarray, np.ndarray]] = []
-        self._conversions: list[Conversion] = []
+        members: dict[str, Member] = {}
         first = self.script.shape[1]
         for name, fmu in self.fmus.items():
             fmu.inputs = [v for v in fmu.inputs if f"{name}.{v.name}" in self.sources]
             self._start(name, fmu)
-            where = [index[self.sources[f"{name}.{v.name}"]] for v in fmu.inputs]
+            names = [v.name for v in fmu.inputs]
+            where = np.array([index[self.sources[f"{name}.{n}"]] for n in names], dtype=np.intp)
             values = np.zeros(len(where))
             fmu.bind(values, self.world[first : first + len(fmu.outputs)])
             first += len(fmu.outputs)
-            self.gathers.append((fmu, np.array(where, dtype=np.intp), values))
-            names = [v.name for v in fmu.inputs]
-            self._conversions.append(Conversion(name, names, self.transforms))
+            members[name] = Member(fmu, where, values, Conversion(name, names, self.transforms))
+        self._members = list(members.values())
         self._scripted[:] = self.script[0]
-        for fmu, _, _ in self.gathers:
-            fmu.get_outputs()
-        self._settle()
+        Initialization(members, self.sources, self.world).settle()
         for name, fmu in self.fmus.items():
             fmu.exit_initialization()
             fmu.get_outputs()
             self.parameters[name] = fmu.parameters()
         self._record(0)
 
-    def _settle(self) -> None:
-        """Pass initial values on until nothing changes, as algebraic loops need it.
-
-        Raises
-        ------
-        FmuRuntimeError
-            They still change after `SWEEPS`.
-        """
-        for sweep in range(len(self.gathers) + SWEEPS):
-            before = self.world.copy()
-            self._each(lambda fmu: (fmu.set_inputs(), fmu.get_outputs()))
-            changing = ~np.isclose(self.world, before, rtol=SETTLED, atol=0, equal_nan=True)
-            if sweep + 1 >= len(self.gathers) and not changing.any():
-                return
-        name = self.names[int(np.argmax(changing))]
-        loops = "; ".join(" -> ".join(loop) for loop in self.loops) or "none declared"
-        raise FmuRuntimeError(
-            f"{name} does not settle at t = 0 s after {SWEEPS} sweeps; algebraic loops: {loops}"
-        )
-
-    def _each(self, action: Callable[[Fmu], Any]) -> None:
-        for (fmu, where, values), convert in zip(self.gathers, self._conversions, strict=True):
-            np.take(self.world, where, out=values)
-            convert(values)
-            action(fmu)
-
     def _loop(self, progress: Callable[[int, int], None] | None) -> None:
         """Step all components; scenario inputs are those at the start of the step."""
         times = self.times.tolist()
         last = len(times) - 1
-        parts = [self.system.components[name].substeps for name in self.fmus]
-        needed = [c if c.needed else None for c in self._conversions]
-        self._steps = list(zip(self.gathers, parts, needed, strict=True))
+        self._steps = [
+            (m.fmu, m.where, m.values, m.convert if m.convert.needed else None,
+             self.system.components[name].substeps)
+            for name, m in zip(self.fmus, self._members, strict=True)
+        ]  # fmt: skip
         for k in range(last):
             if self.abort is not None:
                 raise self._stopped(self.abort, times[k])
@@ -193,7 +165,7 @@ class Run:
             if self._jacobi:
                 self._step_at_once(t, h)
             else:
-                for (fmu, where, values), parts, convert in self._steps:
+                for fmu, where, values, convert, parts in self._steps:
                     self.world.take(where, out=values, mode="clip")
                     if convert is not None:
                         convert(values)
@@ -204,11 +176,11 @@ class Run:
 
     def _step_at_once(self, t: float, h: float) -> None:
         """Step all components with the inputs of the beginning of the step."""
-        for (_, where, values), _, convert in self._steps:
+        for _, where, values, convert, _ in self._steps:
             self.world.take(where, out=values, mode="clip")
             if convert is not None:
                 convert(values)
-        for (fmu, _, _), parts, _ in self._steps:
+        for fmu, _, _, _, parts in self._steps:
             fmu.step(t, h) if parts == 1 else _in_parts(fmu, t, h, parts)
 
     @staticmethod

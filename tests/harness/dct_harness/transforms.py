@@ -45,6 +45,19 @@ class Conversion:
                         for k, t in enumerate(found) if t.table]  # fmt: skip
         self.needed = any(t.changes for t in found)
 
+    def one(self, k: int, value: float) -> float:
+        """Return the converted value of input `k`; raises FmuRuntimeError as a call does."""
+        for j, name, table in self._tables:
+            if j == k:
+                if value not in table:
+                    raise FmuRuntimeError(f"{name}: {value:g} is in no row of its mapping")
+                return table[value]
+        return float(value * self._factor[k] + self._offset[k])
+
+    def slopes(self, values: np.ndarray) -> None:
+        """Convert time derivatives of inputs in place."""
+        values *= self._factor
+
     def __call__(self, values: np.ndarray) -> None:
         """Convert the inputs; raises FmuRuntimeError where a table has no row."""
         for k, name, table in self._tables:
