@@ -50,7 +50,7 @@ macro_rules! export {
                 fmi2SetDebugLogging(on: c_int, n: usize, categories: *const *const c_char)
                     = |c| FMU.set_debug_logging(c, on != 0, n, categories);
                 fmi2GetReal(vr: *const u32, n: usize, value: *mut f64)
-                    = |c| FMU.get::<f64, f64>(c, vr, n, value);
+                    = |c| FMU.get_reals(c, vr, n, value);
                 fmi2GetInteger(vr: *const u32, n: usize, value: *mut c_int)
                     = |c| FMU.get::<i32, c_int>(c, vr, n, value);
                 fmi2GetBoolean(vr: *const u32, n: usize, value: *mut c_int)
@@ -58,7 +58,7 @@ macro_rules! export {
                 fmi2GetString(vr: *const u32, n: usize, _value: *mut *const c_char)
                     = |c| FMU.strings(c, Call::GetString, vr, n);
                 fmi2SetReal(vr: *const u32, n: usize, value: *const f64)
-                    = |c| FMU.set::<f64, f64>(c, vr, n, value, |value| value);
+                    = |c| FMU.set_reals(c, vr, n, value);
                 fmi2SetInteger(vr: *const u32, n: usize, value: *const c_int)
                     = |c| FMU.set::<i32, c_int>(c, vr, n, value, |value| value);
                 fmi2SetBoolean(vr: *const u32, n: usize, value: *const c_int)

@@ -27,6 +27,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Once, OnceLock};
 
 mod pointer;
+pub(crate) mod real;
 mod states;
 mod variables;
 
@@ -161,6 +162,23 @@ impl<M: Model> Library<M> {
                 component.poison(call)
             }
         }
+    }
+
+    /// The way in for what is done at once or not at all: false, and nothing changed or logged, when
+    /// there is anything out of the ordinary. The caller then takes the other way in.
+    #[inline(always)]
+    fn enter_plainly(
+        &self,
+        component: *mut c_void,
+        body: impl FnOnce(&mut Instance<M>) -> Option<bool>,
+    ) -> bool {
+        let Some(entered) = self.instances.enter(component.addr()) else {
+            return false;
+        };
+        // SAFETY: made from a `Box` by `instantiate`, and `entered` keeps everybody else out.
+        let component = unsafe { &mut *entered.value };
+        let body = AssertUnwindSafe(|| body(&mut component.instance));
+        !component.poisoned && matches!(catch_unwind(body), Ok(Some(true)))
     }
 
     /// The way in for functions that need no pointer but the instance: with the log that a model

@@ -1,13 +1,13 @@
 //! Tokens in place of pointers: what an importer holds is looked up, never followed.
 //!
 //! ```text
-//! token = (generation | index) ^ salt of the table      places[index]: generation, open or taken
+//! token = stamp | OPEN | index        places[index] = the one token that opens it, less OPEN while taken
 //! ```
 //!
-//! A place counts up its generation when its value is given back, so a token that was freed, that
-//! another table made, or that never was one opens no place. To enter, one atomic operation turns
-//! the place from open to taken: a second caller, be it another thread or the importer's logger
-//! calling back, is refused until the first one leaves.
+//! A place counts up its stamp when its value is given back, and every table begins with another one,
+//! so a token that was freed, that another table made, or that never was one opens no place. To enter,
+//! one atomic operation turns the place from open to taken: a second caller, be it another thread or
+//! the importer's logger calling back, is refused until the first one leaves.
 //!
 //! Places never move and are not freed while the library is loaded. The first ones lie in the
 //! library itself, so that nothing of them stays behind when it is unloaded.
@@ -20,13 +20,11 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 const FIRST: usize = 64;
 /// Blocks: there is room for 4 million values.
 const BLOCKS: usize = 16;
-/// Bits of a token that are the index; the others are the generation.
-const INDEX_BITS: u32 = usize::BITS / 2;
-const INDEX: usize = (1 << INDEX_BITS) - 1;
-/// Highest bit of the index: none has it and every salt does, so that no token is 0, which is NULL.
-const NEVER_NULL: usize = 1 << (INDEX_BITS - 1);
-/// Lowest bit of a place's word: somebody may enter.
-const OPEN: usize = 1;
+/// Bits of a token below its stamp.
+const STAMP: u32 = usize::BITS / 2;
+/// Highest bit below the stamp: no index has it, and an open place and its token do, so that no token
+/// is 0, which is NULL.
+const OPEN: usize = 1 << (STAMP - 1);
 /// A number with which multiplication shuffles the bits of an address: odd, near the golden ratio.
 const SHUFFLE: usize = (usize::MAX / 1000 * 618) | 1;
 
@@ -34,7 +32,7 @@ const SHUFFLE: usize = (usize::MAX / 1000 * 618) | 1;
 /// slow each other down.
 #[repr(align(64))]
 struct Place<T> {
-    /// Generation, shifted by one, and [`OPEN`] unless it is vacant or somebody is in.
+    /// The token that opens it, without [`OPEN`] while it is vacant or somebody is in.
     word: AtomicUsize,
     value: AtomicPtr<T>,
     /// While vacant: index of the next vacant place plus 1, or 0.
@@ -69,16 +67,14 @@ pub(crate) struct Table<T> {
 /// A value that nobody else may touch until this is dropped.
 pub(crate) struct Entered<'a, T> {
     place: &'a Place<T>,
-    index: usize,
-    generation: usize,
+    token: usize,
     /// Came from a `Box` that [`Table::insert`] was given.
     pub(crate) value: *mut T,
 }
 
 impl<T> Drop for Entered<'_, T> {
     fn drop(&mut self) {
-        let open = (self.generation << 1) | OPEN;
-        self.place.word.store(open, Ordering::Release);
+        self.place.word.store(self.token, Ordering::Release);
     }
 }
 
@@ -94,42 +90,37 @@ impl<T> Table<T> {
     /// Keeps a value; its token is not 0. `None`, and the value is dropped, when there is no room.
     pub(crate) fn insert(&self, value: Box<T>) -> Option<usize> {
         let (index, place) = self.vacant_place()?;
-        let generation = place.word.load(Ordering::Relaxed) >> 1;
+        let stamp = place.word.load(Ordering::Relaxed) >> STAMP;
         place.value.store(Box::into_raw(value), Ordering::Relaxed);
-        let open = (generation << 1) | OPEN;
-        place.word.store(open, Ordering::Release);
-        Some(((generation << INDEX_BITS) | index) ^ self.salt())
+        let token = (stamp << STAMP) | OPEN | index;
+        place.word.store(token, Ordering::Release);
+        Some(token)
     }
 
     /// The value of a token, unless somebody is in, it was given back, or there never was one.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn enter(&self, token: usize) -> Option<Entered<'_, T>> {
-        let plain = token ^ self.salt();
-        let (index, generation) = (plain & INDEX, plain >> INDEX_BITS);
-        let place = self.place(index)?;
-        let (taken, open) = (generation << 1, (generation << 1) | OPEN);
+        let place = self.place(index(token))?;
         place
             .word
-            .compare_exchange(open, taken, Ordering::Acquire, Ordering::Relaxed)
+            .compare_exchange(token, token ^ OPEN, Ordering::Acquire, Ordering::Relaxed)
             .ok()?;
         Some(Entered {
             place,
-            index,
-            generation,
+            token,
             value: place.value.load(Ordering::Relaxed),
         })
     }
 
     /// Makes the token void and its place vacant; the value is the caller's to drop.
     pub(crate) fn give_back(&self, entered: Entered<'_, T>) -> *mut T {
-        let (place, index, value) = (entered.place, entered.index, entered.value);
-        let vacant_word = following(entered.generation) << 1;
+        let (place, token, value) = (entered.place, entered.token, entered.value);
         core::mem::forget(entered);
         place.value.store(null_mut(), Ordering::Relaxed);
-        place.word.store(vacant_word, Ordering::Relaxed);
+        place.word.store(following(token), Ordering::Relaxed);
         let mut vacant = self.vacant.lock().unwrap_or_else(PoisonError::into_inner);
         place.next.store(vacant.first, Ordering::Relaxed);
-        vacant.first = index + 1;
+        vacant.first = index(token) + 1;
         value
     }
 
@@ -142,13 +133,14 @@ impl<T> Table<T> {
         }
         let index = vacant.used;
         let place = self.new_place(index)?;
+        place.word.store(self.salt(), Ordering::Relaxed);
         vacant.used += 1;
         Some((index, place))
     }
 
     /// A place that was never given out; its block is made with its first one.
     fn new_place(&self, index: usize) -> Option<&Place<T>> {
-        if let Some((block, _)) = beyond_first(index).filter(|_| index < NEVER_NULL) {
+        if let Some((block, _)) = beyond_first(index).filter(|_| index < OPEN) {
             let places = || (0..FIRST << block).map(|_| Place::new()).collect();
             self.blocks.get(block)?.get_or_init(places);
         }
@@ -169,16 +161,21 @@ impl<T> Table<T> {
         self.blocks.get(block)?.get()?.get(offset)
     }
 
-    /// A number that no other table has, in this library or another one.
-    #[inline]
+    /// A word whose stamp no other table begins with, in this library or another one.
     fn salt(&self) -> usize {
-        core::ptr::from_ref(self).addr().wrapping_mul(SHUFFLE) | NEVER_NULL
+        core::ptr::from_ref(self).addr().wrapping_mul(SHUFFLE)
     }
 }
 
-/// The next generation; it fits into a token.
-const fn following(generation: usize) -> usize {
-    (generation + 1) & (usize::MAX >> INDEX_BITS)
+/// Index of a token's place; of what cannot be a token, one that no place has.
+#[inline(always)]
+const fn index(token: usize) -> usize {
+    (token ^ OPEN) & !(usize::MAX << STAMP)
+}
+
+/// The word of the vacant place that a token opened: the next stamp.
+const fn following(token: usize) -> usize {
+    ((token >> STAMP) + 1) << STAMP
 }
 
 /// Block, and offset in it, of a place that does not lie in the library itself.

@@ -7,6 +7,7 @@ use crate::saved::Saved;
 use crate::value::{Value, find, finite, settable};
 use crate::{Call, Causality, Error, Failure, Log, Model, State, Variable};
 
+mod plain;
 mod tangent;
 pub use tangent::provides_directional_derivatives;
 
@@ -271,17 +272,17 @@ impl<M: Model> Instance<M> {
             return Err(Error::StepTime { time, current });
         }
         let end = time + step;
-        if !end.is_finite() || end <= time {
+        let advances = time < end && end < f64::INFINITY;
+        if !advances {
             return Err(Error::StepSize { step, time });
+        }
+        if end <= stop {
+            return Ok((step, end));
         }
         if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) || time >= stop {
             return Err(Error::PastStop { end, stop });
         }
-        Ok(if end > stop {
-            (stop - time, stop)
-        } else {
-            (step, end)
-        })
+        Ok((stop - time, stop))
     }
 
     /// Computes what depends on values that were set since the last computation.

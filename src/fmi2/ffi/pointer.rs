@@ -20,6 +20,22 @@ pub(super) unsafe fn slice<'a, T>(
     }
 }
 
+/// [`slice`] of one value or more; `None` where it needs a second look.
+#[inline(always)]
+pub(super) unsafe fn few<'a, T>(values: *const T, count: usize) -> Option<&'a [T]> {
+    let plain = count > 0 && !unusable(values);
+    // SAFETY: not NULL, aligned, and by the importer's promise of that length.
+    plain.then(|| unsafe { core::slice::from_raw_parts(values, count) })
+}
+
+/// [`slice_mut`] of one value or more; `None` where it needs a second look.
+#[inline(always)]
+pub(super) unsafe fn few_mut<'a, T>(values: *mut T, count: usize) -> Option<&'a mut [T]> {
+    let plain = count > 0 && !unusable(values);
+    // SAFETY: as above, and the importer reads it after the call only.
+    plain.then(|| unsafe { core::slice::from_raw_parts_mut(values, count) })
+}
+
 /// An array of `count` values, to be written.
 pub(super) unsafe fn slice_mut<'a, T>(
     argument: &'static str,

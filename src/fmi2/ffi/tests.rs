@@ -124,13 +124,13 @@ fn running() -> *mut c_void {
 
 fn set_u(c: *mut c_void, u: f64) -> Status {
     // SAFETY: a live component or one that is refused; arrays of one.
-    unsafe { FMU.set::<f64, f64>(c, &U, 1, &u, |value| value) }
+    unsafe { FMU.set_reals(c, &U, 1, &u) }
 }
 
 fn x(c: *mut c_void) -> f64 {
     let mut x = f64::NAN;
     // SAFETY: a live component; arrays of one.
-    let status = unsafe { FMU.get::<f64, f64>(c, &X, 1, &mut x) };
+    let status = unsafe { FMU.get_reals(c, &X, 1, &mut x) };
     assert_eq!(status, Status::Ok);
     x
 }
@@ -215,11 +215,8 @@ fn null_and_foreign_pointers_are_refused() {
         let mut component = c;
         assert_eq!(FMU.free_state(c, &mut component), Status::Error);
         assert_eq!(component, c);
-        assert_eq!(
-            FMU.set::<f64, f64>(c, null(), 1, &1.0, |u| u),
-            Status::Error
-        );
-        assert_eq!(FMU.set::<f64, f64>(c, &U, 1, null(), |u| u), Status::Error);
+        assert_eq!(FMU.set_reals(c, null(), 1, &1.0), Status::Error);
+        assert_eq!(FMU.set_reals(c, &U, 1, null()), Status::Error);
         assert_eq!(FMU.free_state(c, &mut state), Status::Ok);
         assert!(state.is_null());
         assert_eq!(FMU.free_state(c, &mut state), Status::Ok);

@@ -1,13 +1,57 @@
 //! Variables at the C boundary: typed access, derivatives, the status of the last step.
 
-use super::pointer::{place, slice, slice_mut};
+use super::pointer::{few, few_mut, place, slice, slice_mut};
 use super::{Library, Status};
 use crate::value::Value;
 use crate::{Call, Error, Model};
 use core::ffi::{c_int, c_void};
 
 impl<M: Model> Library<M> {
+    /// `fmi2GetReal`: what is plain at once, everything else as for other types.
+    pub unsafe fn get_reals(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *mut f64,
+    ) -> Status {
+        let got = self.enter_plainly(component, |instance| {
+            plausible::<M>(count).ok()?;
+            // SAFETY: the importer's promise.
+            let (references, values) =
+                unsafe { (few(references, count)?, few_mut(values, count)?) };
+            Some(instance.get_plainly(references, values))
+        });
+        if got {
+            return Status::Ok;
+        }
+        // SAFETY: the importer's promise.
+        unsafe { self.get::<f64, f64>(component, references, count, values) }
+    }
+
+    /// `fmi2SetReal`: what is plain at once, everything else as for other types.
+    pub unsafe fn set_reals(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *const f64,
+    ) -> Status {
+        let set = self.enter_plainly(component, |instance| {
+            plausible::<M>(count).ok()?;
+            // SAFETY: the importer's promise.
+            let (references, values) = unsafe { (few(references, count)?, few(values, count)?) };
+            Some(instance.set_plainly(references, values))
+        });
+        if set {
+            return Status::Ok;
+        }
+        // SAFETY: the importer's promise.
+        unsafe { self.set::<f64, f64>(component, references, count, values, |value| value) }
+    }
+
     /// `fmi2GetReal`, `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`.
+    #[inline(never)]
     pub unsafe fn get<T: Value, A: From<T>>(
         &self,
         component: *mut c_void,
@@ -30,6 +74,7 @@ impl<M: Model> Library<M> {
     }
 
     /// `fmi2SetReal`, `fmi2SetInteger` and, with `A` an int, `fmi2SetBoolean`.
+    #[inline(never)]
     pub unsafe fn set<T: Value, A: Copy>(
         &self,
         component: *mut c_void,

@@ -260,7 +260,7 @@ impl Rig {
         let r = references.as_ptr();
         let got = match kind {
             // SAFETY: a live component; arrays of that length, or a count that no one believes.
-            Kind::Real => unsafe { PROBE.set::<f64, f64>(self.c, r, count, reals.as_ptr(), |v| v) },
+            Kind::Real => unsafe { PROBE.set_reals(self.c, r, count, reals.as_ptr()) },
             _ => {
                 let whole: Vec<_> = reals.iter().map(|value| integer(*value)).collect();
                 let v = whole.as_ptr();
@@ -299,7 +299,7 @@ impl Rig {
         // SAFETY: a live component; arrays of that length, or a count that no one believes.
         let got = unsafe {
             match kind {
-                Kind::Real => PROBE.get::<f64, f64>(self.c, r, count, reals.as_mut_ptr()),
+                Kind::Real => PROBE.get_reals(self.c, r, count, reals.as_mut_ptr()),
                 Kind::Integer => PROBE.get::<i32, c_int>(self.c, r, count, whole.as_mut_ptr()),
                 _ => PROBE.get::<bool, c_int>(self.c, r, count, whole.as_mut_ptr()),
             }
