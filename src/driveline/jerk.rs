@@ -66,11 +66,19 @@ impl JerkFilter {
         (v - 2.0 * self.state[0] + self.state[1]) / (tau * tau)
     }
 
-    /// dV/dt through the same filter [m/s²].
+    /// dV/dt through the same filter [m/s²]; its own derivative is [`Self::jerk`].
     ///
     /// `tau`: τ [s].
     pub const fn acceleration(&self, tau: f64) -> f64 {
         (self.state[0] - self.state[1]) / tau
+    }
+
+    /// dj/dt = (dV/dt − 2 V1' + V2')/τ² [m/s⁴].
+    ///
+    /// `v`: speed [m/s]. `acceleration`: dV/dt [m/s²], not filtered. `tau`: τ [s].
+    pub const fn jerk_rate(&self, v: f64, acceleration: f64, tau: f64) -> f64 {
+        let first = (v - self.state[0]) / tau;
+        (acceleration - 2.0 * first + self.acceleration(tau)) / (tau * tau)
     }
 }
 
@@ -119,6 +127,31 @@ mod tests {
         for (coarse, fine) in errors(1000, 60.0).into_iter().zip(errors(10_000, 60.0)) {
             assert!((80.0..120.0).contains(&(coarse / fine)), "{coarse} {fine}");
         }
+    }
+
+    #[test]
+    fn rates_are_those_of_differences() {
+        let (v, slope, h) = (|t: f64| 3.0 + 2.0 * t, 2.0, 1e-6);
+        let mut filter = JerkFilter {
+            state: [2.9, 2.7],
+            decay: (0.0, 1.0),
+        };
+        let before = (filter.acceleration(TAU), filter.jerk(v(0.0), TAU));
+        let rates = (before.1, filter.jerk_rate(v(0.0), slope, TAU));
+        filter.advance(v(0.0), v(h), h, TAU);
+        let found = (
+            (filter.acceleration(TAU) - before.0) / h,
+            (filter.jerk(v(h), TAU) - before.1) / h,
+        );
+        // One-sided differences over h/τ = 5e-5.
+        assert!(
+            (found.0 - rates.0).abs() < 1e-3 * rates.0.abs(),
+            "{found:?} {rates:?}"
+        );
+        assert!(
+            (found.1 - rates.1).abs() < 1e-3 * rates.1.abs(),
+            "{found:?} {rates:?}"
+        );
     }
 
     #[test]

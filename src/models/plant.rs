@@ -60,6 +60,8 @@ pub struct Plant {
     comfort: [f64; 2],
     /// Time derivatives of the outputs, when they were asked for.
     y_rate: Output,
+    /// Time derivatives of `comfort` [m/s³, m/s⁴], when they were asked for.
+    comfort_rate: [f64; 2],
     /// Clutch states 1, 2, 3.
     clutch_state: [i32; 2],
     propagation: Propagation,
@@ -83,6 +85,7 @@ impl Default for Plant {
             jerk_filter: JerkFilter::at(0.0),
             comfort: [0.0; 2],
             y_rate: Output::default(),
+            comfort_rate: [0.0; 2],
             clutch_state: y.state.map(|state| state as i32),
             propagation: Propagation::default(),
         }
@@ -295,6 +298,9 @@ impl Model for Plant {
         let coupling = self.state.coupling(self.acting);
         let systems = self.propagation.systems(&self.p, coupling);
         self.y_rate = self.state.output_rates(&self.p, systems, &input, &rate);
+        let (v, acceleration) = (self.speed(), self.y.vehicle_acceleration);
+        let jerk_rate = self.jerk_filter.jerk_rate(v, acceleration, self.jerk_time);
+        self.comfort_rate = [self.comfort[1], jerk_rate];
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {

@@ -177,6 +177,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.comfort[0],
         "dV/dt through 1/(1 + tau s)^2, tau = vehicle.jerkTime",
     )
+    .slope(|m| &mut m.comfort_rate[0])
     .depends_on(STATES),
     Variable::output(
         "vehicle.jerk",
@@ -184,6 +185,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.comfort[1],
         "Jerk: derivative of the filtered acceleration, (V - 2 V1 + V2)/tau^2",
     )
+    .slope(|m| &mut m.comfort_rate[1])
     .depends_on(STATES),
     Variable::boolean_output(
         "wheel.held",
