@@ -10,6 +10,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod about;
 mod archive;
 pub mod binary;
 mod check;

@@ -1,8 +1,10 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
+use crate::about::{self, About};
 use crate::library::Target;
 use crate::port::{self, Port, Terminal};
 use crate::ssp::Component;
+use crate::table::Sheet;
 use crate::{Error, Result, describe, library, page, variables_md};
 use dct_models::{ClutchControl, Observer, Plant, ports};
 use fmi2_cosim::{Experiment, Model};
@@ -20,8 +22,10 @@ pub struct Entry {
     pub describe: fn() -> Result<String>,
     /// Writes its section of `VARIABLES.md`.
     pub table: fn() -> Result<String>,
-    /// Writes the documentation page inside its FMU.
-    pub page: fn() -> Result<String>,
+    /// What its documentation page shows of its table.
+    pub(crate) sheet: fn() -> Result<Sheet>,
+    /// Prose of its documentation page.
+    pub(crate) about: About,
     /// Lists its inputs and outputs.
     pub ports: fn() -> Vec<Port>,
     /// Its default experiment.
@@ -40,7 +44,8 @@ impl Entry {
             folder: None,
             describe: describe::<M>,
             table: variables_md::section::<M>,
-            page: page::page::<M>,
+            sheet: Sheet::of_model::<M>,
+            about: About::NOTHING,
             ports: port::ports::<M>,
             experiment: M::EXPERIMENT,
             terminals: &[],
@@ -60,6 +65,27 @@ impl Entry {
     pub const fn terminals(mut self, terminals: &'static [Terminal]) -> Self {
         self.terminals = terminals;
         self
+    }
+
+    /// Gives its documentation page prose: purpose, equations, validity.
+    #[must_use]
+    pub const fn about(mut self, about: About) -> Self {
+        self.about = about;
+        self
+    }
+
+    /// The documentation page inside its FMU. Its changes are those of `CHANGELOG.md` in the folder
+    /// that [`Self::at`] named.
+    ///
+    /// # Errors
+    /// When a number of the table is not finite, or the change log cannot be read.
+    pub fn page(&self) -> Result<String> {
+        page::page(self)
+    }
+
+    /// Its terminals that have a member among its ports, with the names of those.
+    pub(crate) fn present_terminals(&self) -> Vec<(&'static Terminal, Vec<&'static str>)> {
+        port::present(self.terminals, &(self.ports)())
     }
 
     /// The text of its `terminalsAndIcons.xml`, if it has a terminal.
@@ -83,9 +109,15 @@ impl Entry {
 
 /// All models, in the order in which a signal passes through them.
 pub const MODELS: &[Entry] = &[
-    Entry::of::<Plant>("dct-plant").terminals(TERMINALS),
-    Entry::of::<Observer>("dct-observer").terminals(TERMINALS),
-    Entry::of::<ClutchControl>("dct-clutch-control").terminals(TERMINALS),
+    Entry::of::<Plant>("dct-plant")
+        .terminals(TERMINALS)
+        .about(about::PLANT),
+    Entry::of::<Observer>("dct-observer")
+        .terminals(TERMINALS)
+        .about(about::OBSERVER),
+    Entry::of::<ClutchControl>("dct-clutch-control")
+        .terminals(TERMINALS)
+        .about(about::CONTROL),
 ];
 
 /// Name of the closed loop of all models.

@@ -65,11 +65,27 @@ pub struct Terminal {
     pub members: &'static [&'static str],
 }
 
+/// The terminals that have a member among the ports, with the members' names.
+pub(crate) fn present(
+    all: &'static [Terminal],
+    ports: &[Port],
+) -> Vec<(&'static Terminal, Vec<&'static str>)> {
+    let members = |terminal: &'static Terminal| {
+        let names = ports.iter().map(|port| port.name);
+        let names: Vec<_> = names
+            .filter(|name| terminal.members.contains(name))
+            .collect();
+        (terminal, names)
+    };
+    let found = all.iter().map(members);
+    found.filter(|(_, members)| !members.is_empty()).collect()
+}
+
 /// `terminalsAndIcons.xml` of FMI 3.0, which tools read from FMUs of FMI 2.0 too; `None` when no
 /// terminal has a member among the ports.
-pub(crate) fn terminals(all: &[Terminal], ports: &[Port]) -> Option<String> {
-    let elements = all.iter().filter_map(|terminal| element(terminal, ports));
-    let elements: Vec<_> = elements.collect();
+pub(crate) fn terminals(all: &'static [Terminal], ports: &[Port]) -> Option<String> {
+    let elements = present(all, ports);
+    let elements: Vec<_> = elements.iter().map(element).collect();
     let root = Element::new("fmiTerminalsAndIcons").with("fmiVersion", "3.0");
     (!elements.is_empty()).then(|| {
         root.holding([Element::new("Terminals").holding(elements)])
@@ -78,24 +94,18 @@ pub(crate) fn terminals(all: &[Terminal], ports: &[Port]) -> Option<String> {
 }
 
 /// The rule `bus`: members of the same name are connected, others are left open.
-fn element(terminal: &Terminal, ports: &[Port]) -> Option<Element> {
-    let members = ports
-        .iter()
-        .filter(|port| terminal.members.contains(&port.name));
-    let members: Vec<_> = members.map(member).collect();
-    (!members.is_empty()).then(|| {
-        Element::new("Terminal")
-            .with("name", terminal.name)
-            .with("matchingRule", "bus")
-            .with("terminalKind", terminal.kind)
-            .with("description", terminal.description)
-            .holding(members)
-    })
+fn element((terminal, members): &(&Terminal, Vec<&'static str>)) -> Element {
+    Element::new("Terminal")
+        .with("name", terminal.name)
+        .with("matchingRule", "bus")
+        .with("terminalKind", terminal.kind)
+        .with("description", terminal.description)
+        .holding(members.iter().copied().map(member))
 }
 
-fn member(port: &Port) -> Element {
+fn member(name: &str) -> Element {
     Element::new("TerminalMemberVariable")
-        .with("variableName", port.name)
-        .with("memberName", port.name)
+        .with("variableName", name)
+        .with("memberName", name)
         .with("variableKind", "signal")
 }

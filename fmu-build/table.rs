@@ -1,8 +1,8 @@
 //! The table of a model as text for people, whatever it is written into.
 
 use crate::Result;
-use crate::description::{causality, limit, starts, variability};
-use fmi2_cosim::{Access, Model, Variable};
+use crate::description::{capabilities, causality, finite, limit, starts, variability};
+use fmi2_cosim::{Access, Enumeration, Model, Variable};
 
 /// Headings of the columns.
 pub(crate) const COLUMNS: [&str; 10] = [
@@ -21,6 +21,58 @@ pub(crate) const COLUMNS: [&str; 10] = [
 /// What the columns mean, for the top of a page.
 pub(crate) const LEGEND: &str = "Units are SI; in brackets the unit a tool shows. vr is the value \
      reference. Start values are given for what an importer may set; the model computes the rest.";
+
+/// What a model's page shows of it.
+pub(crate) struct Sheet {
+    pub(crate) name: &'static str,
+    pub(crate) description: &'static str,
+    pub(crate) version: &'static str,
+    pub(crate) license: &'static str,
+    pub(crate) guid: String,
+    /// Start, stop and step [s].
+    pub(crate) experiment: [String; 3],
+    /// What importers may do beyond the least of the standard.
+    pub(crate) capabilities: Vec<&'static str>,
+    pub(crate) rows: Vec<[String; 10]>,
+    /// Those that some variable has.
+    pub(crate) enumerations: Vec<&'static Enumeration>,
+}
+
+impl Sheet {
+    /// The sheet of model `M`.
+    pub(crate) fn of_model<M: Model>() -> Result<Self> {
+        let seconds = |what, value| finite("DefaultExperiment", what, value);
+        let mut enumerations: Vec<&'static Enumeration> = Vec::new();
+        for row in M::VARIABLES {
+            match row.access {
+                Access::Enumeration(_, kind) if !enumerations.contains(&kind) => {
+                    enumerations.push(kind);
+                }
+                _ => {}
+            }
+        }
+        Ok(Self {
+            name: M::NAME,
+            description: M::DESCRIPTION,
+            version: M::VERSION,
+            license: M::LICENSE,
+            guid: fmi2_cosim::guid::<M>(),
+            experiment: [
+                seconds("startTime", M::EXPERIMENT.start)?,
+                seconds("stopTime", M::EXPERIMENT.stop)?,
+                seconds("stepSize", M::EXPERIMENT.step)?,
+            ],
+            capabilities: capabilities::<M>(),
+            rows: rows::<M>()?,
+            enumerations,
+        })
+    }
+
+    /// Rows of a causality.
+    pub(crate) fn of(&self, causality: &str) -> impl Iterator<Item = &[String; 10]> {
+        self.rows.iter().filter(move |row| row[2] == causality)
+    }
+}
 
 /// One row per variable, cells as in [`COLUMNS`].
 pub(crate) fn rows<M: Model>() -> Result<Vec<[String; 10]>> {

@@ -19,7 +19,7 @@ pub(crate) fn members(entry: &Entry) -> Result<Members> {
     let linked = packages::linked(entry.package, entry.folder())?;
     let mut members = vec![
         text("modelDescription.xml", dated((entry.describe)()?)?),
-        text("documentation/index.html", (entry.page)()?),
+        text("documentation/index.html", entry.page()?),
         text(bom::MEMBER, bom::text(entry.name, &linked)?),
     ];
     if let Some(terminals) = entry.terminals_text() {

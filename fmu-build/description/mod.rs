@@ -20,7 +20,7 @@ pub(crate) use number::finite;
 pub(crate) use variables::{causality, limit, starts, variability};
 
 const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-const GENERATION_TOOL: &str = concat!("fmu-build ", env!("CARGO_PKG_VERSION"));
+pub(crate) const GENERATION_TOOL: &str = concat!("fmu-build ", env!("CARGO_PKG_VERSION"));
 
 /// The text of `modelDescription.xml` for model `M`.
 ///
@@ -141,6 +141,22 @@ impl CoSimulation {
             serialises_state: true,
         }
     }
+}
+
+/// The capabilities of model `M` in words.
+pub(crate) fn capabilities<M: Model>() -> Vec<&'static str> {
+    let can = CoSimulation::of::<M>();
+    let all = [
+        (can.variable_step, "communication steps of any length"),
+        (can.interpolates_inputs, "inputs with derivatives"),
+        (can.output_derivatives.is_some(), "output derivatives"),
+        (can.directional_derivatives, "directional derivatives"),
+        (can.saves_state, "saved states"),
+        (can.serialises_state, "serialised states"),
+        (!can.only_once_per_process, "any number of instances"),
+    ];
+    let offered = all.into_iter().filter(|(offered, _)| *offered);
+    offered.map(|(_, words)| words).collect()
 }
 
 #[derive(Serialize)]
