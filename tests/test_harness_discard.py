@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -51,13 +50,10 @@ def test_an_fmu_that_does_not_get_on_ends_the_run(
     assert f"plant: fmi2DoStep at t = 0.0 s returned fmi2Discard: {said}" in done.stderr
 
 
-def test_an_fmu_of_one_step_size_is_not_asked_for_another(tmp_path: Path, folder: Path) -> None:
-    with (
-        zipfile.ZipFile(folder / "Lag.fmu") as old,
-        zipfile.ZipFile(tmp_path / "Lag.fmu", "w") as new,
-    ):
-        for name in old.namelist():
-            new.writestr(name, old.read(name).replace(b'StepSize="true"', b'StepSize="false"'))
+def test_an_fmu_of_one_step_size_is_not_asked_for_another(
+    tmp_path: Path, lag_library: Path
+) -> None:
+    write_fmu(tmp_path / "Lag.fmu", lag_library, (*LAG, *MORE), can="")
     done = run(write_system(tmp_path), tmp_path, "--set", "plant.reach=0.0004")
     assert done.returncode == 4
     assert "it cannot take this step and takes no other one; change system.step" in done.stderr

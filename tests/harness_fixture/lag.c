@@ -12,7 +12,7 @@ enum { U, X, TAU, FAIL_AT, NAN_AT, DELAY, REACH, MOST, MUTE, Y, GAIN, BIAS, SLOP
 typedef struct {                                   /* Error from FAIL_AT, x is NaN from NAN_AT   */
     double v[REALS];
     int n[2], b[2]; /* value references: 0 input, 1 output */
-    double reached;
+    double reached, end; /* last time; u there */
     const fmi2CallbackFunctions *cb;
 } Lag;
 const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -63,6 +63,7 @@ fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean f) {
     double late = m->v[U] - m->v[SLOPE] * m->v[TAU]; /* what x follows, behind a ramp */
     m->v[X] = t >= m->v[NAN_AT] ? NAN
         : late + m->v[SLOPE] * h + (m->v[X] - late) * exp(-h / m->v[TAU]);
+    m->end = m->v[U] + m->v[SLOPE] * h;
     m->n[1] = 2 * m->n[0];
     m->b[1] = !m->b[0];
     return status;
@@ -76,5 +77,12 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     const fmi2Integer order[], const fmi2Real v[]) {
     if (n != 1 || r[0] != U || order[0] != 1) return fmi2Error;
     ((Lag *)c)->v[SLOPE] = v[0];
+    return fmi2OK;
+}
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+    const fmi2Integer order[], fmi2Real v[]) {
+    Lag *m = c;
+    if (n != 1 || r[0] != X || order[0] != 1) return fmi2Error;
+    v[0] = (m->end - m->v[X]) / m->v[TAU];
     return fmi2OK;
 }

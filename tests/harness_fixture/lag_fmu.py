@@ -35,8 +35,11 @@ PARAMETERS = tuple(
 LAG = (variable("u", 0, "input", "0"), variable("x", 1, "output"), *PARAMETERS)
 
 
-def description(variables: tuple[str, ...]) -> str:
-    """Return a modelDescription.xml of the lag that shows these variables."""
+VARIES = 'canHandleVariableCommunicationStepSize="true"'
+
+
+def description(variables: tuple[str, ...], can: str = VARIES) -> str:
+    """Return a modelDescription.xml of the lag that shows these variables and capabilities."""
     outputs = [k for k, text in enumerate(variables, 1) if 'causality="output"' in text]
     unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
     units = sorted(set(re.findall(r' unit="([^"]+)"', "".join(variables))))
@@ -45,7 +48,7 @@ def description(variables: tuple[str, ...]) -> str:
     structure = f"<Outputs>{unknowns}</Outputs>" if outputs else ""
     return (
         '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="Lag" guid="{lag}">'
-        '<CoSimulation modelIdentifier="Lag" canHandleVariableCommunicationStepSize="true"/>'
+        f'<CoSimulation modelIdentifier="Lag" {can}/>'
         f"{unit_definitions}<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
@@ -62,11 +65,12 @@ def compile_library(out: Path, *needs: Path) -> Path:
 
 
 def write_fmu(
-    path: Path, library: Path, variables: tuple[str, ...] = LAG, member: str = BINARY
-) -> Path:
+    path: Path, library: Path, variables: tuple[str, ...] = LAG, member: str = BINARY,
+    can: str = VARIES,
+) -> Path:  # fmt: skip
     """Write an FMU with the library as archive member `member`."""
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", description(variables))
+        archive.writestr("modelDescription.xml", description(variables, can))
         archive.write(library, member)
     return path
 

@@ -12,7 +12,7 @@ def finish(fmu: Any, t: float, h: float) -> None:
     """Take the rest of a discarded step from `t` to `t + h` [s], in smaller ones.
 
     An FMU that got part of the way goes on from there; one that did not move tries half the step.
-    Inputs stay as they are.
+    Inputs stay as they are, or go on with their slopes.
 
     Raises
     ------
@@ -26,13 +26,16 @@ def finish(fmu: Any, t: float, h: float) -> None:
     discarded = True
     while end - at > ROUNDING * h:
         if discarded:
+            before = at
             at, part = _after(fmu, at, end, part)
+            fmu.advance_inputs(at - before)
             if part < SHORTEST * h:
                 fmu.give_up(f"it does not get past t = {at!r} s, whatever the step")
         part = min(part, end - at)
         discarded = fmu.attempt(at, part)
         if not discarded:
             at += part
+            fmu.advance_inputs(part)
     fmu.note_discard(t)
 
 

@@ -21,6 +21,7 @@ from .archive import described, unpack
 from .coupling import feedthrough
 from .discard import finish
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
+from .interpolation import continuous, followed
 from .loader import explain
 from .units import Unit, declared
 from .values import group_of
@@ -41,6 +42,8 @@ class Fmu:
         self.wall_time = 0.0
         self.now = 0.0
         self._slave: Any = None
+        self._slopes: np.ndarray | None = None
+        self._steer: Any = None  # how to set input derivatives
         self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
         self._instantiated = False
         self._stepping = self._discards = False
@@ -149,11 +152,67 @@ class Fmu:
         must be contiguous and stay alive.
         """
         self._component = ctypes.c_void_p(self._slave.component)
+        self._buffers = inputs, outputs
         self._setters = self._transfers("Set", self.inputs, inputs)
         self._getters = self._transfers("Get", self.outputs, outputs)
         self._t, self._h = ctypes.c_double(), ctypes.c_double()
         function = self._slave.dll["fmi2DoStep"]
         self._do_step = partial(function, self._component, self._t, self._h, ctypes.c_int(1))
+
+    def bind_slopes(self, slopes: np.ndarray) -> None:
+        """Attach the time derivatives of the inputs, shape (len(self.inputs),).
+
+        Steps then set them with the inputs; those of integers and the like are left out.
+        """
+        self._slopes = slopes
+        self._followed = [k for k, v in enumerate(self.inputs) if followed(v)]
+        self._attach_slopes([self.inputs[k].valueReference for k in self._followed])
+
+    def _attach_slopes(self, references: list[int]) -> None:
+        vrs, ones = np.array(references, dtype=np.uint32), np.ones(len(references), np.int32)
+        values = np.zeros(len(references))
+        self._alive += [vrs, ones]
+        call = partial(
+            self._slave.dll["fmi2SetRealInputDerivatives"], self._component,
+            ctypes.c_void_p(vrs.ctypes.data), ctypes.c_size_t(len(vrs)),
+            ctypes.c_void_p(ones.ctypes.data), ctypes.c_void_p(values.ctypes.data),
+        )  # fmt: skip
+        self._steer = (call, values) if references else None
+
+    def _set_slopes(self) -> None:
+        """Set the input derivatives, if there are any."""
+        if self._steer is None:
+            return
+        call, values = self._steer
+        self._slopes.take(self._followed, out=values)
+        status = call()
+        if status > 1:
+            self._fail("fmi2SetRealInputDerivatives", status)
+
+    def advance_inputs(self, h: float) -> None:
+        """Bring the input buffer `h` [s] on, along the slopes: for the next part of a step."""
+        if self._slopes is not None:
+            self._buffers[0][:] += self._slopes * h
+
+    def get_slopes(self) -> np.ndarray:
+        """Return the time derivatives of the outputs; 0 of those that have none."""
+        chosen = [k for k, v in enumerate(self.outputs) if continuous(v)]
+        references = [self.outputs[k].valueReference for k in chosen]
+        found = np.zeros(len(self.outputs))
+        if chosen:
+            found[chosen] = self._output_slopes(references)
+        return found
+
+    def _output_slopes(self, references: list[int]) -> Any:
+        count = len(references)
+        values = (ctypes.c_double * count)()
+        status = self._slave.dll["fmi2GetRealOutputDerivatives"](
+            self._component, (ctypes.c_uint * count)(*references), ctypes.c_size_t(count),
+            (ctypes.c_int * count)(*([1] * count)), values,
+        )  # fmt: skip
+        if status > 1:
+            self._fail("fmi2GetRealOutputDerivatives", status)
+        return values
 
     def _transfers(self, verb: str, variables: list[Any], values: np.ndarray) -> list[tuple]:
         """Return per type: the call, the narrow buffer it uses or None, the float view.
@@ -211,6 +270,7 @@ class Fmu:
     def attempt(self, t: float, h: float) -> int:
         """Set inputs, step, get outputs; returns fmi2Discard of a step that did not succeed."""
         self.set_inputs()
+        self._set_slopes()
         self._t.value, self._h.value = t, h
         status = self._do_step()
         if status == DISCARD:

@@ -7,7 +7,8 @@ It imports the standard library only, so that it starts in 30 ms. Requests and a
     J + length (4 bytes) + JSON {"do": name, ...}                             answer: length + JSON
 
 Numbers of the letters travel in a file mapped into both processes: t, h, which call failed, then
-inputs, then outputs, all float64. What comes from the FMU is never unpickled or evaluated.
+inputs, outputs, derivatives of inputs, all float64. What comes from the FMU is never unpickled or
+evaluated.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ MORE = 100  # added to a status when there are messages
 FORKED = 50  # status: the FMU has started a process
 GROUPS = ("Real", "Integer", "Boolean")
 CALLS = ("fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2DoStep",
-         "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean")  # fmt: skip
+         "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2SetRealInputDerivatives",
+         )  # fmt: skip
 CTYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int,
           "String": ctypes.c_char_p}  # fmt: skip
 LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p,
@@ -53,6 +55,7 @@ class Host:
         self._heard = self.dropped = 0
         self._pid = os.getpid()
         self._component = ctypes.c_void_p()
+        self._steered: list[Any] = []
 
     def load(self, library: str, proxy: str, tool: bool, memory: int) -> str:
         """Load the library; returns "" or why it does not load. `tool`: it may start processes."""
@@ -124,7 +127,28 @@ class Host:
         count = sum(map(len, inputs.values()))
         self._set = self._transfers("Set", inputs, HEAD)
         self._get = self._transfers("Get", outputs, HEAD + count)
+        self._after = HEAD + count + sum(map(len, outputs.values()))
         return 0
+
+    def attach_slopes(self, references: list[int]) -> int:
+        """Set derivatives of these inputs at every step from now on."""
+        count = len(references)
+        self._steered = [
+            ((ctypes.c_uint * count)(*references), ctypes.c_size_t(count),
+             (ctypes.c_int * count)(*([1] * count)),
+             ctypes.byref(self._numbers, 8 * self._after)),
+        ] if references else []  # fmt: skip
+        return 0
+
+    def output_slopes(self, references: list[int]) -> list[Any]:
+        """Return status and first derivatives of outputs."""
+        count = len(references)
+        found = (ctypes.c_double * count)()
+        status = self._dll.fmi2GetRealOutputDerivatives(
+            self._component, (ctypes.c_uint * count)(*references), ctypes.c_size_t(count),
+            (ctypes.c_int * count)(*([1] * count)), found,
+        )  # fmt: skip
+        return [status, list(found)]
 
     def _transfers(self, verb: str, references: dict[str, list[int]], first: int) -> list[Any]:
         """Return per type: index of the call, call, integers that it uses or None, place."""
@@ -167,6 +191,10 @@ class Host:
         status = self.set_inputs()
         if status:
             return status
+        for known in self._steered:
+            status = self._dll.fmi2SetRealInputDerivatives(self._component, *known)
+            if status > 1:
+                return self._failed(CALLS.index("fmi2SetRealInputDerivatives"), status)
         t, h = (ctypes.c_double(self._numbers[k]) for k in (0, 1))
         status = self._dll.fmi2DoStep(self._component, t, h, 1)
         if status > 1:

@@ -110,7 +110,7 @@ class Isolated(Fmu):
     def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Attach the float buffers, as `Fmu.bind`; numbers pass through a mapped file."""
         path = self._directory / EXCHANGE
-        count = HEAD + len(inputs) + len(outputs)
+        count = HEAD + 2 * len(inputs) + len(outputs)
         path.write_bytes(bytes(8 * count))
         with path.open("r+b") as file:
             shared = mmap.mmap(file.fileno(), 0)
@@ -118,9 +118,21 @@ class Isolated(Fmu):
         self._shared = numbers
         self._buffers = inputs, outputs
         self._sent = numbers[HEAD : HEAD + len(inputs)]
-        self._got = numbers[HEAD + len(inputs) :]
+        self._got = numbers[HEAD + len(inputs) : HEAD + len(inputs) + len(outputs)]
+        self._turned = numbers[HEAD + len(inputs) + len(outputs) :]
         ends = {"inputs": _references(self.inputs), "outputs": _references(self.outputs)}
         self._remote.ask("bind", self.doing("bind"), path=str(path), **ends)
+
+    def _attach_slopes(self, references: list[int]) -> None:
+        self._steer = references or None
+        self._remote.ask("attach_slopes", self.doing("bind"), references=references)
+
+    def _output_slopes(self, references: list[int]) -> Any:
+        doing = self.doing("fmi2GetRealOutputDerivatives")
+        status, values = self._remote.ask("output_slopes", doing, references=references)
+        if status > 1:
+            self._fail("fmi2GetRealOutputDerivatives", status)
+        return values
 
     def set_inputs(self) -> None:
         """Write the bound input buffer to the FMU."""
@@ -136,6 +148,8 @@ class Isolated(Fmu):
         """As `Fmu.attempt`."""
         self._sent[:] = self._buffers[0]
         self._shared[0], self._shared[1] = t, h
+        if self._steer is not None:
+            self._slopes.take(self._followed, out=self._turned[: len(self._followed)])
         if self._do(b"S", "fmi2DoStep") == DISCARD:
             return DISCARD
         self._buffers[1][:] = self._got

@@ -167,6 +167,13 @@ class Translation:
             for n, k in enumerate(links) if k.table
         ]  # fmt: skip
 
+    def slopes(self, source: np.ndarray, target: np.ndarray) -> None:
+        """Write time derivatives; what a table codes has none."""
+        values = source[self._from] * self._gain
+        for n, _ in self._tables:
+            values[n] = 0.0
+        target[self._to] = values
+
     def __call__(self, source: np.ndarray, target: np.ndarray) -> None:
         """Write `target` from `source`; raises LookupError where a table has no row."""
         values = source[self._from]

@@ -20,6 +20,7 @@ class Mapped:
 
     def __init__(self, fmu: Fmu, mapping: Mapping) -> None:
         self._fmu, self._mapping = fmu, mapping
+        self._slopes: tuple[np.ndarray, np.ndarray] | None = None  # ours, theirs
         contract = plant_contract()
         linker = Linker(mapping, fmu.description, contract)
         self._in = linker.links(mapping.inputs, "input")
@@ -130,6 +131,24 @@ class Mapped:
         self._receive = Translation(self._out, theirs_[1], ours[1], outward=False)
         self._sums = [_Sum(e, ours[1]) for e in self._derived]
 
+    def bind_slopes(self, slopes: np.ndarray) -> None:
+        """Attach our buffer of input derivatives, as `Fmu.bind_slopes`."""
+        self._slopes = slopes, np.zeros(len(self._fmu.inputs))
+        self._fmu.bind_slopes(self._slopes[1])
+
+    def get_slopes(self) -> np.ndarray:
+        """Return the derivatives of our outputs."""
+        found = np.zeros(len(self.outputs))
+        self._receive.slopes(self._fmu.get_slopes(), found)
+        for total in self._sums:
+            total(found)
+        return found
+
+    def advance_inputs(self, h: float) -> None:
+        """As `Fmu.advance_inputs`; both sides, since every step translates anew."""
+        if self._slopes:
+            self._ours[0][:] += self._slopes[0] * h
+
     def set_inputs(self) -> None:
         """Write our inputs to the FMU."""
         self._translate(self._send, self._ours[0], self._theirs[0])
@@ -143,6 +162,8 @@ class Mapped:
     def step(self, t: float, h: float) -> None:
         """Advance from `t` to `t + h` [s] with the bound buffers."""
         self._translate(self._send, self._ours[0], self._theirs[0])
+        if self._slopes:
+            self._send.slopes(*self._slopes)
         self._fmu.step(t, h)
         self._received()
 

@@ -16,6 +16,7 @@ from .coupling import algebraic_loops, delayed, ranges
 from .errors import ConfigError, FmuRuntimeError, HarnessError
 from .fmu import Fmu
 from .initial import Initialization, Member
+from .interpolation import Interpolation
 from .isolated import Limits, load
 from .mapped import Mapped, apply_shared
 from .mapping import Mapping
@@ -140,8 +141,12 @@ class Run:
             first += len(fmu.outputs)
             members[name] = Member(fmu, where, values, Conversion(name, names, self.transforms))
         self._members = list(members.values())
+        self._interpolation = None
         self._scripted[:] = self.script[0]
         Initialization(members, self.sources, self.world).settle()
+        if self.system.interpolate:
+            count = self.script.shape[1]
+            self._interpolation = Interpolation(members, self.world, count)
         for name, fmu in self.fmus.items():
             fmu.exit_initialization()
             fmu.get_outputs()
@@ -162,7 +167,9 @@ class Run:
                 raise self._stopped(self.abort, times[k])
             t = times[k]
             h = times[k + 1] - t
-            if self._jacobi:
+            if self._interpolation is not None:
+                self._step_along(self._interpolation, k, t, h)
+            elif self._jacobi:
                 self._step_at_once(t, h)
             else:
                 for fmu, where, values, convert, parts in self._steps:
@@ -173,6 +180,19 @@ class Run:
             self._record(k + 1)
             if progress is not None and ((k + 1) % 100 == 0 or k + 1 == last):
                 progress(k + 1, last)
+
+    def _step_along(self, slopes: Interpolation, k: int, t: float, h: float) -> None:
+        """Step all components with inputs that go on within the step, where they can follow."""
+        slopes.begin(self.script[k], self.script[k + 1], h)
+        if self._jacobi:
+            for member in self._members:
+                slopes.feed(member)
+        for member, (fmu, *_, parts) in zip(self._members, self._steps, strict=True):
+            if not self._jacobi:
+                slopes.feed(member)
+            fmu.step(t, h) if parts == 1 else _in_parts(fmu, t, h, parts)
+            if not self._jacobi:
+                slopes.after(member)
 
     def _step_at_once(self, t: float, h: float) -> None:
         """Step all components with the inputs of the beginning of the step."""
@@ -263,6 +283,7 @@ class Run:
 
 
 def _in_parts(fmu: Fmu | Mapped, t: float, h: float, parts: int) -> None:
-    """Step one component in equal parts with the same inputs."""
+    """Step one component in equal parts with the same inputs, or along their slopes."""
     for k in range(parts):
         fmu.step(t + k * h / parts, h / parts)
+        fmu.advance_inputs(h / parts)

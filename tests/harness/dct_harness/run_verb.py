@@ -29,6 +29,8 @@ def add(verbs: Verbs) -> None:
     parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES)
     parser.add_argument("system", type=Path, help="system file (.toml or .ssp)")
     parser.add_argument("--step", type=seconds, metavar="SECONDS", help="communication step")
+    along = "inputs with slopes, where the FMU can interpolate"
+    parser.add_argument("--interpolate", action="store_true", help=along)
     parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of the run")
     parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
@@ -92,6 +94,7 @@ def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
         if "plant" not in paths:
             raise ConfigError(f"--plant: {args.system} has no component 'plant'")
         paths["plant"] = args.plant
+    model.interpolate |= args.interpolate
     names = _mapping(args, model)
     for text in args.set:
         model.override(text)

@@ -40,6 +40,7 @@ class System:
     path: Path
     kpis: list[dict[str, Any]] = field(default_factory=list)
     coupling: str = "gauss-seidel"
+    interpolate: bool = False  # inputs have slopes where the FMU can follow
     explicit: bool = False  # no connections by equal names; other inputs keep their start values
     transforms: dict[str, Transform] = field(default_factory=dict)  # by input
     places: Places = field(default_factory=Places)  # of the keys in the file
@@ -84,7 +85,7 @@ class System:
             "file": str(self.path), "scenario": str(self.scenario or ""), "components": parts,
             "connections": [{"from": s, "to": t, **self.transforms.get(t, Transform()).as_dict()}
                             for t, s in self.connections.items()],
-            "kpis": self.kpis, "coupling": self.coupling,
+            "kpis": self.kpis, "coupling": self.coupling, "interpolate": self.interpolate,
         }  # fmt: skip
 
 
@@ -111,7 +112,8 @@ def load(path: Path) -> System:
         head["name"], head.get("title", head["name"]), float(head["step"]), float(head["stop"]),
         path.parent / head["scenario"], components,
         {c["to"]: c["from"] for c in data.get("connections", [])}, path,
-        data.get("kpis", []), head.get("coupling", "gauss-seidel"), places=document.places,
+        data.get("kpis", []), head.get("coupling", "gauss-seidel"),
+        head.get("interpolate", False), places=document.places,
         transforms=_transforms(data.get("connections", [])),
     )  # fmt: skip
 

@@ -55,8 +55,10 @@ class Conversion:
         return float(value * self._factor[k] + self._offset[k])
 
     def slopes(self, values: np.ndarray) -> None:
-        """Convert time derivatives of inputs in place."""
+        """Convert time derivatives of inputs in place; what a table codes has none."""
         values *= self._factor
+        for k, _, _ in self._tables:
+            values[k] = 0.0
 
     def __call__(self, values: np.ndarray) -> None:
         """Convert the inputs; raises FmuRuntimeError where a table has no row."""
