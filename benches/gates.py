@@ -1,4 +1,11 @@
-"""The gates of `cargo xtask bench`: one function per group, each a list of judged values."""
+"""The gates of `cargo xtask bench`: one function per group, each a list of judged values.
+
+The peers are C FMUs at -O2, `benches/peers`. Like is compared with like: DctPlant as it is, with
+compliant transfer shafts, against an RK4 of the same ten states at 1/16 ms, the longest stable step
+that divides a millisecond (at 0.1 ms it diverges); DctPlant with `transmission.rigid` against an
+RK4 of the same rigid driveline at 0.1 ms. The peers have the plant's inputs with their rates and its
+outputs, friction energies included, but not jerk, filtered acceleration and energy residual.
+"""
 
 from __future__ import annotations
 
@@ -42,6 +49,8 @@ def ratios(bench: Bench) -> list[Gate]:
         ("plant at 1 ms / empty C FMU", 12.0, False, FINE, "plant", "empty_c"),
         ("RK4 in C / plant, 1 ms", 22.0, True, FINE, "rk4", "plant"),
         ("RK4 in C / plant, 10 ms", 140.0, True, COARSE, "rk4", "plant"),
+        ("the same, both rigid, 1 ms", 22.0, True, FINE, "rk4_rigid", "rigid"),
+        ("the same, both rigid, 10 ms", 140.0, True, COARSE, "rk4_rigid", "rigid"),
     ):
         pair = [getattr(bench, library) for library in (over, under)]
         counts = [bench.instructions(h, library) for library in pair]
@@ -99,10 +108,11 @@ def check_peer(bench: Bench) -> None:
     SystemExit
         When a speed at the end of the run differs too much.
     """
-    ours, theirs = (bench.last_outputs(library)[:4] for library in (bench.plant, bench.rk4))
-    apart = np.abs(ours - theirs) / np.abs(ours).max()
-    if not apart.max() < SAME_PLANT:
-        raise SystemExit(f"the RK4 peer ends at {theirs}, the plant at {ours}")
+    for plant, peer in ((bench.plant, bench.rk4), (bench.rigid, bench.rk4_rigid)):
+        ours, theirs = (bench.last_outputs(library)[:4] for library in (plant, peer))
+        apart = np.abs(ours - theirs) / np.abs(ours).max()
+        if not apart.max() < SAME_PLANT:
+            raise SystemExit(f"an RK4 peer ends at {theirs}, the plant at {ours}")
 
 
 def measured(bench: Bench) -> list[Gate]:

@@ -25,6 +25,9 @@ GET = ("engine.speed", "clutch1.speed", "clutch2.speed", "wheel.speed", "driveSh
 # Parameters set at the start; the last one is moved where parameters have to be new.
 START = {"engine.speed_start": 90.0, "driveShaft.stiffness": 4887.0}
 
+# Parameter of the plant that does without transfer shafts, as one of the peers does.
+RIGID = "transmission.rigid"
+
 # Steps of the driver's own peers and of the empty model: inputs 0..4, outputs 5..9.
 PLAIN = "0,1,2,3,4;5,6,7,8,9;"
 DRIVER = ("driver/main.c", "driver/importer.c", "driver/heap.c")
@@ -68,8 +71,8 @@ def empty() -> str:
     return f"{ROOT / 'target' / 'release' / 'libbench_empty.so'};{guid};{PLAIN}"
 
 
-def plant() -> tuple[str, Path]:
-    """Unpack `DctPlant.fmu`; return its words for the driver and its library."""
+def plant() -> tuple[str, str, Path]:
+    """Unpack `DctPlant.fmu`; return its words for the driver, those of a rigid one, its library."""
     with zipfile.ZipFile(ROOT / "target" / "fmu" / "DctPlant.fmu") as archive:
         description = ElementTree.fromstring(archive.read("modelDescription.xml"))
         library = Path(archive.extract("binaries/linux64/DctPlant.so", WORK))
@@ -77,7 +80,8 @@ def plant() -> tuple[str, Path]:
     reference = {v.get("name"): v.get("valueReference") for v in variables}
     ports = [",".join(reference[name] for name in names) for names in (SET, GET)]
     start = ",".join(f"{reference[name]}={value}" for name, value in START.items())
-    return f"{library};{description.get('guid')};{ports[0]};{ports[1]};{start}", library
+    words = f"{library};{description.get('guid')};{ports[0]};{ports[1]};{start}"
+    return words, f"{words};{reference[RIGID]}", library
 
 
 def write_inputs(h: float, stop: float) -> Path:
@@ -100,8 +104,9 @@ class Bench:
     def __post_init__(self) -> None:
         WORK.mkdir(parents=True, exist_ok=True)
         self.driver = compile_c("driver", DRIVER, "-rdynamic")
-        self.plant, self.library = plant()
-        self.empty, self.empty_c, self.rk4 = empty(), peer("empty"), peer("rk4")
+        self.plant, self.rigid, self.library = plant()
+        self.empty, self.empty_c = empty(), peer("empty")
+        self.rk4, self.rk4_rigid = peer("rk4_compliant"), peer("rk4_rigid")
 
     def inputs(self, h: float) -> Path:
         """Return the inputs of a run in steps of `h` [s]."""

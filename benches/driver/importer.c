@@ -37,12 +37,18 @@ static void start_values(Library *l, char *words) {
     }
 }
 
+static void flags(Library *l, char *words) {
+    for (; words && *words && l->flags < STARTS; words += *words == ',')
+        l->flag[l->flags++] = (fmi2ValueReference)strtoul(words, &words, 10);
+}
+
 Library library_open(char *words) {
     Library l = {.path = strsep(&words, ";")};
     l.guid = strsep(&words, ";");
     references(strsep(&words, ";"), l.set);
     references(strsep(&words, ";"), l.get);
-    start_values(&l, words);
+    start_values(&l, strsep(&words, ";"));
+    flags(&l, words);
     void *library = dlopen(l.path, RTLD_NOW | RTLD_LOCAL);
     if (!library)
         fail(dlerror(), l.path);
@@ -52,6 +58,8 @@ Library library_open(char *words) {
     l.enter = symbol(library, l.path, "fmi2EnterInitializationMode");
     l.leave = symbol(library, l.path, "fmi2ExitInitializationMode");
     l.set_real = symbol(library, l.path, "fmi2SetReal");
+    if (l.flags)
+        l.set_boolean = symbol(library, l.path, "fmi2SetBoolean");
     l.get_real = symbol(library, l.path, "fmi2GetReal");
     l.do_step = symbol(library, l.path, "fmi2DoStep");
     return l;
@@ -77,6 +85,8 @@ fmi2Component library_start(const Library *l) {
     if (!c)
         fail("fmi2Instantiate returned NULL", l->path);
     int bad = l->setup(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) | l->enter(c);
+    for (int k = 0; k < l->flags; k++)
+        bad |= l->set_boolean(c, l->flag + k, 1, &(fmi2Boolean){fmi2True});
     if (l->starts)
         bad |= l->set_real(c, l->start, (size_t)l->starts, l->start_value);
     if (bad | l->leave(c))

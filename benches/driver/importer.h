@@ -6,18 +6,22 @@
 
 enum { PORTS = 5, STARTS = 4 };
 
-/* A library and the references the bench needs: PORTS inputs, PORTS outputs, STARTS parameters. */
+/* A library and the references the bench needs: PORTS inputs, PORTS outputs, STARTS parameters, and
+ * Boolean parameters that are set to true. */
 typedef struct {
     const char *path, *guid;
     fmi2ValueReference set[PORTS], get[PORTS], start[STARTS];
     double start_value[STARTS];
     int starts;
+    fmi2ValueReference flag[STARTS];
+    int flags;
     fmi2InstantiateTYPE *instantiate;
     fmi2FreeInstanceTYPE *free_instance;
     fmi2SetupExperimentTYPE *setup;
     fmi2EnterInitializationModeTYPE *enter;
     fmi2ExitInitializationModeTYPE *leave;
     fmi2SetRealTYPE *set_real;
+    fmi2SetBooleanTYPE *set_boolean; /* where there are flags */
     fmi2GetRealTYPE *get_real;
     fmi2DoStepTYPE *do_step;
 } Library;
@@ -29,7 +33,7 @@ typedef struct {
     double *u;
 } Inputs;
 
-/* `path;guid;set references;get references;parameter=value,...` */
+/* `path;guid;set references;get references;parameter=value,...;flag,...` */
 Library library_open(char *words);
 Inputs inputs_read(const char *path, double h);
 

@@ -90,6 +90,19 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     return fmi2OK;
 }
 
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
+                                       const fmi2Integer order[], const fmi2Real value[]) {
+    Instance *instance = enter(c, INSTANTIATED | INITIALIZATION | STEPPING);
+    if (!instance || (n && (!vr || !order || !value)))
+        return refuse(c, "fmi2SetRealInputDerivatives: illegal call");
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] >= INPUTS || order[i] != 1 || !isfinite(value[i]))
+            return refuse(c, "fmi2SetRealInputDerivatives: illegal reference, order or value");
+        instance->model.u_rate[vr[i]] = value[i];
+    }
+    return fmi2OK;
+}
+
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     Instance *instance = enter(c, INITIALIZATION | STEPPING | TERMINATED);
     if (!instance || (n && (!vr || !value)))
