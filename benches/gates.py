@@ -3,8 +3,8 @@
 The peers are C FMUs at -O2, `benches/peers`. Like is compared with like: DctPlant as it is, with
 compliant transfer shafts, against an RK4 of the same ten states at 1/16 ms, the longest stable step
 that divides a millisecond (at 0.1 ms it diverges); DctPlant with `transmission.rigid` against an
-RK4 of the same rigid driveline at 0.1 ms. The peers have the plant's inputs with their rates and its
-outputs, friction energies included, but not jerk, filtered acceleration and energy residual.
+RK4 of the same rigid driveline at 0.1 ms. The peers have the plant's inputs with their rates and
+its outputs, friction energies included, but not jerk, filtered acceleration and energy residual.
 """
 
 from __future__ import annotations
