@@ -16,11 +16,11 @@ pub enum Error {
         /// What the operating system said.
         error: std::io::Error,
     },
-    /// A scenario is not a table of numbers over increasing time.
-    Scenario {
+    /// A file does not say what it should.
+    Content {
         /// The file.
         path: PathBuf,
-        /// Line, starting with 1.
+        /// Line, starting with 1; 0 for the file as a whole.
         line: usize,
         /// What is wrong there.
         what: String,
@@ -32,12 +32,12 @@ pub enum Error {
         /// What the `fmi` crate said.
         error: Box<fmi::Error>,
     },
-    /// A variable that does not exist, or has another type or causality than needed.
+    /// A variable that does not exist, or has another type, causality or source than needed.
     Variable {
         /// `component.variable`.
         name: String,
         /// What is wrong with it.
-        what: &'static str,
+        what: String,
     },
     /// An FMU function failed.
     Call {
@@ -50,6 +50,36 @@ pub enum Error {
         /// The status it returned.
         status: Fmi2Error,
     },
+    /// A signal left the finite numbers, or has no row in a table.
+    Value {
+        /// `component.variable`.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// Communication point [s].
+        time: f64,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+}
+
+impl Error {
+    /// Whether the FMUs ran and one of them failed, rather than the question being wrong.
+    pub fn is_at_run_time(&self) -> bool {
+        matches!(self, Self::Call { .. } | Self::Value { .. })
+    }
+
+    /// Whether a file is no usable FMU.
+    pub fn is_of_an_fmu(&self) -> bool {
+        matches!(self, Self::Load { .. })
+    }
+
+    pub(crate) fn variable(name: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Variable {
+            name: name.into(),
+            what: what.into(),
+        }
+    }
 }
 
 impl fmt::Display for Error {
@@ -57,7 +87,12 @@ impl fmt::Display for Error {
         match self {
             Self::Usage(what) => write!(f, "{what}"),
             Self::File { path, error } => write!(f, "{}: {error}", path.display()),
-            Self::Scenario { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
+            Self::Content {
+                path,
+                line: 0,
+                what,
+            } => write!(f, "{}: {what}", path.display()),
+            Self::Content { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
             Self::Load { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Variable { name, what } => write!(f, "'{name}' {what}"),
             Self::Call {
@@ -65,12 +100,16 @@ impl fmt::Display for Error {
                 function,
                 time,
                 status,
-            } => {
-                write!(
-                    f,
-                    "{component}: {function} at t = {time} s returned {status}"
-                )
-            }
+            } => write!(
+                f,
+                "{component}: {function} at t = {time} s returned {status}"
+            ),
+            Self::Value {
+                name,
+                value,
+                time,
+                what,
+            } => write!(f, "{name} is {value} at t = {time} s: {what}"),
         }
     }
 }

@@ -1,18 +1,28 @@
 //! A compiled master for FMI 2.0 co-simulation FMUs, on the [`fmi`] crate.
 //!
-//! It knows FMUs as files and names only, and couples them as `dct-harness` does:
+//! It knows FMUs as files and names only, and couples them as `dct-harness` does, to the last bit:
 //!
 //! ```text
-//! scenario CSV ──> world (one vector of f64) ──> inputs of FMU 1 ──step──> outputs ──┐
-//!                    ^                                                            │
-//!                    └─────────────── FMU 2, FMU 3, … in the given order <────────┘
+//! system.toml ──> System ──> Plan ──> Run ──> rows
+//!                    ^                 │
+//!   scenario.csv ────┘     world (one vector of f64) ──> inputs of FMU 1 ──step──> outputs ──┐
+//!                            ^                                                            │
+//!                            └─────────────── FMU 2, FMU 3, … in the given order <────────┘
 //! ```
 //!
-//! An input takes the equal-named output of another FMU, else the scenario's signal of that name,
-//! unless a start value was given for it, which then stays; where plant and observer both give a name,
-//! the control reads the estimate. Within a step the FMUs run one after
-//! the other on the newest values (Gauss-Seidel). Time is counted in whole steps: the
+//! An input takes what a `connections` entry of the file says, else the equal-named output of another FMU, else the
+//! scenario's signal of that name, unless a start value was given for it, which then stays
+//! (`wiring`). Within a step the FMUs run one after the other on the newest values (Gauss-Seidel),
+//! or all on those of the step's beginning (Jacobi). Time is counted in whole steps: the
 //! communication point k is `k * step`, never a sum.
+//!
+//! Independent runs share nothing but the unpacked FMU files: [`run_all`] gives them to threads.
+//!
+//! Rows are recorded as they are made, one after the other: a column of 30,000 rows would be
+//! written with one cache line per value.
+//!
+//! FMUs run inside this process. `dct-harness` starts one process more around those that this
+//! project did not build.
 //!
 //! # The `fmi` crate 0.8
 //!
@@ -21,23 +31,34 @@
 //!   package libclang has no C headers of its own: `BINDGEN_EXTRA_CLANG_ARGS` points it at the
 //!   compiler's (`-I$(cc -print-file-name=include)`);
 //! - [`fmi::fmi2::import::Fmi2Import`] owns the unpacked FMU and removes it when dropped, while an
-//!   instance does not borrow it: [`Fmu`] keeps both and drops the instance first;
-//! - dropping an instance frees but does not terminate it: [`Fmu`] calls `fmi2Terminate`;
+//!   instance does not borrow it: an instance here keeps its [`Library`] and is dropped first;
+//! - dropping an instance frees but does not terminate it; it is terminated here;
 //! - `enter_initialization_mode` exists in two traits with different arguments; calls name the one
 //!   they mean;
 //! - `get_integer`, `get_boolean` and their setters do not compare the lengths of their slices;
 //!   `signals` keeps references and values side by side;
-//! - its description of an Enumeration has no content, and one of a Real no unit, minimum or
-//!   maximum: enough to connect by name and type, not to convert units;
+//! - its description of an Enumeration has no items, and one of a Real no unit, minimum or
+//!   maximum: [`description`] reads the file itself;
 //! - its logger drops `fmi2Discard` to trace level and reads a null category: logging stays off.
 
-mod component;
+pub mod description;
 mod error;
-mod master;
+mod fmu;
+mod parallel;
+pub mod plan;
+mod run;
 mod scenario;
 mod signals;
+mod ssv;
+mod system;
+pub mod unit;
+mod wiring;
+mod world;
 
-pub use component::{Component, Fmu, Value};
 pub use error::Error;
-pub use master::Master;
+pub use fmu::{Libraries, Library};
+pub use parallel::{Job, Outcome, run_all};
+pub use plan::Plan;
+pub use run::Run;
 pub use scenario::Scenario;
+pub use system::System;

@@ -1,147 +1,163 @@
-//! `cosim-master`: runs a closed loop of FMUs and writes its results as CSV.
+//! `cosim`: runs a system file of `dct-harness` and writes its results.
 
-use cosim_master::{Component, Error, Master, Scenario, Value};
+use clap::{Args, Parser, Subcommand};
+use cosim_master::plan::Value;
+use cosim_master::{Error, Job, Libraries, Outcome, Scenario, System, run_all};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Mutex;
 
-const HELP: &str = "\
-cosim-master --scenario S.csv --out R.csv [options] NAME=FILE.fmu…
+/// A compiled master for FMI 2.0 co-simulation FMUs.
+#[derive(Parser)]
+#[command(name = "cosim", version)]
+struct Words {
+    #[command(subcommand)]
+    verb: Verb,
+}
 
-  NAME=FILE.fmu              a component; components step in the given order
-  --scenario S.csv           signals over time: `time` [s], then one column per signal
-  --out R.csv                results: `time` [s], then `component.variable`
-  --step H                   communication step [s] (0.001)
-  --stop T                   end of the run [s], a multiple of the step (30)
-  --set NAME.VARIABLE=VALUE  a parameter or start value: a number, true or false
+#[derive(Subcommand)]
+enum Verb {
+    /// Run a closed loop and write its results as CSV.
+    ///
+    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports and supplier's
+    /// mappings are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run
+    /// --engine native`, which puts others into a process of their own.
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(RunWords),
+}
 
-example:
-  cosim-master --scenario examples/closed_loop/scenarios/positions.csv --out r.csv \\
-    plant=target/fmu/DctPlant.fmu observer=target/fmu/DctObserver.fmu \\
-    --set plant.engine.speed_start=90
-";
+const RUN_EXAMPLES: &str = "\
+Examples:
+  cosim run examples/closed_loop/paper_case1.toml --out results.csv
+  cosim run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
+  cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10
 
-#[derive(Default)]
-struct Options {
-    components: Vec<Component>,
-    values: Vec<(String, String, Value)>,
-    scenario: Option<PathBuf>,
-    out: Option<PathBuf>,
+Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed; the rows
+before a failure are written.";
+
+#[derive(Args)]
+struct RunWords {
+    /// System file (.toml).
+    system: PathBuf,
+    /// Communication step [s].
+    #[arg(long, value_name = "SECONDS")]
     step: Option<f64>,
+    /// End of the run [s].
+    #[arg(long, value_name = "SECONDS")]
     stop: Option<f64>,
+    /// Scenario CSV instead of the file's.
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// Where FMUs are.
+    #[arg(long, value_name = "FOLDER", default_value = "target/fmu")]
+    fmu_dir: PathBuf,
+    /// A parameter or start value, COMPONENT.VARIABLE=VALUE.
+    #[arg(long, value_name = "ASSIGNMENT", value_parser = assignment)]
+    set: Vec<(String, String, Value)>,
+    /// Results: `time` [s], then `component.variable`.
+    #[arg(long, value_name = "FILE", default_value = "results.csv")]
+    out: PathBuf,
 }
 
 fn main() -> ExitCode {
-    let words: Vec<String> = std::env::args().skip(1).collect();
-    if words.is_empty() || words.iter().any(|word| word == "--help" || word == "-h") {
-        print!("{HELP}");
-        return ExitCode::SUCCESS;
-    }
-    match parse(words.into_iter()).and_then(run) {
-        Ok(()) => ExitCode::SUCCESS,
+    let Verb::Run(words) = Words::parse().verb;
+    match run(words) {
+        Ok(told) => {
+            println!("{told}");
+            ExitCode::SUCCESS
+        }
         Err(error) => {
-            eprintln!("cosim-master: {error}");
-            ExitCode::from(if matches!(error, Error::Usage(_)) {
-                2
-            } else {
-                1
+            eprintln!("cosim: {error}");
+            ExitCode::from(match error {
+                error if error.is_at_run_time() => 4,
+                error if error.is_of_an_fmu() => 3,
+                _ => 2,
             })
         }
     }
 }
 
-fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, Error> {
-    let mut options = Options::default();
-    while let Some(word) = words.next() {
-        let mut value = || {
-            words
-                .next()
-                .ok_or_else(|| usage(format!("{word} needs a value")))
-        };
-        match word.as_str() {
-            "--scenario" => options.scenario = Some(value()?.into()),
-            "--out" => options.out = Some(value()?.into()),
-            "--step" => options.step = Some(number(&value()?)?),
-            "--stop" => options.stop = Some(number(&value()?)?),
-            "--set" => options.values.push(assignment(&value()?)?),
-            _ => options.components.push(component(&word)?),
-        }
-    }
-    Ok(options)
-}
-
-fn usage(what: String) -> Error {
-    Error::Usage(format!("{what}; see cosim-master --help"))
-}
-
-fn number(text: &str) -> Result<f64, Error> {
-    text.parse()
-        .map_err(|_| usage(format!("'{text}' is not a number")))
-}
-
-fn assignment(text: &str) -> Result<(String, String, Value), Error> {
+fn assignment(text: &str) -> Result<(String, String, Value), String> {
     let parts = text
         .split_once('=')
-        .and_then(|(key, value)| Some((key.split_once('.')?, value)));
-    let ((component, variable), value) =
-        parts.ok_or_else(|| usage(format!("--set {text}: write NAME.VARIABLE=VALUE")))?;
+        .and_then(|(key, value)| Some((key.trim().split_once('.')?, value.trim())));
+    let ((component, variable), value) = parts.ok_or("write COMPONENT.VARIABLE=VALUE")?;
     let value = match value {
         "true" => Value::Boolean(true),
         "false" => Value::Boolean(false),
-        other => Value::Number(number(other)?),
+        other => other.parse().map_or_else(
+            |_| Value::Text(other.trim_matches('"').to_owned()),
+            Value::Number,
+        ),
     };
     Ok((component.to_owned(), variable.to_owned(), value))
 }
 
-fn component(word: &str) -> Result<Component, Error> {
-    let parts = word.split_once('=').filter(|_| !word.starts_with('-'));
-    let (name, path) = parts.ok_or_else(|| usage(format!("'{word}' is not NAME=FILE.fmu")))?;
-    Ok(Component {
-        name: name.to_owned(),
-        path: path.into(),
-        values: vec![],
-    })
-}
-
-fn run(mut options: Options) -> Result<(), Error> {
-    for (name, variable, value) in options.values {
-        let mut components = options.components.iter_mut();
-        let component = components.find(|component| component.name == name);
-        let component = component.ok_or_else(|| usage(format!("--set: no component '{name}'")))?;
-        component.values.push((variable, value));
+/// Returns what to tell when all went well.
+fn run(words: RunWords) -> Result<String, Error> {
+    let mut system = System::load(&words.system)?;
+    system.step = words.step.unwrap_or(system.step);
+    system.stop = words.stop.unwrap_or(system.stop);
+    system.scenario = words.scenario.unwrap_or(system.scenario);
+    for (component, variable, value) in words.set {
+        system.set(&component, &variable, value)?;
     }
-    let missing = |what: &str| usage(format!("{what} is missing"));
-    let path = options.scenario.ok_or_else(|| missing("--scenario"))?;
-    let out = options.out.ok_or_else(|| missing("--out"))?;
-    let (step, stop) = (options.step.unwrap_or(0.001), options.stop.unwrap_or(30.0));
-    let steps = count(step, stop)?;
-    let mut master = Master::new(&options.components, Scenario::load(&path)?, step, steps)?;
-    let mut text = format!("time,{}\n", master.names().join(","));
-    let done = master.run(|time, values| write_row(&mut text, time, values));
-    std::fs::write(&out, text).map_err(|error| Error::File { path: out, error })?;
-    done
-}
-
-/// Steps of a run; the stop must be a multiple of the step, but for rounding.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked right here
-fn count(step: f64, stop: f64) -> Result<u32, Error> {
-    const ROUNDING: f64 = 1e-9; // relative; a stop this close to a multiple is one
-    let steps = (stop / step).round();
-    let whole = (steps * step - stop).abs() <= ROUNDING * stop.max(step);
-    if step > 0.0 && whole && (1.0..=f64::from(u32::MAX)).contains(&steps) {
-        Ok(steps as u32)
-    } else {
-        Err(usage(format!(
-            "--stop {stop} is not a multiple of --step {step}"
-        )))
+    let times = system.times()?;
+    let outcome = outcome(&system, &words.fmu_dir, &times)?;
+    let rows = outcome.rows.len() / outcome.names.len().max(1);
+    if rows > 0 {
+        write(&words.out, &times, &outcome)?;
+    }
+    match outcome.error {
+        Some(error) => Err(error),
+        None => Ok(format!(
+            "{}: {rows} samples to t = {} s",
+            words.out.display(),
+            system.stop
+        )),
     }
 }
 
-/// Shortest text that reads back as the same bits.
-fn write_row(text: &mut String, time: f64, values: &[f64]) {
-    let _ = write!(text, "{time:?}"); // writing to a String cannot fail
-    values.iter().for_each(|value| {
-        let _ = write!(text, ",{value:?}");
+fn outcome(system: &System, folder: &Path, times: &[f64]) -> Result<Outcome, Error> {
+    let mut libraries = Libraries::default();
+    let scenario = Scenario::load(&system.scenario)?;
+    let (plan, held) = system.plan(folder, &scenario, &mut libraries)?;
+    let script = scenario.rows(&plan.script, &held, times);
+    let job = Job {
+        plan,
+        times,
+        script: &script,
+    };
+    let slot = Mutex::new(None);
+    run_all(&[job], &libraries, NonZero::<usize>::MIN, |_, outcome| {
+        if let Ok(mut slot) = slot.lock() {
+            *slot = Some(outcome);
+        }
     });
-    text.push('\n');
+    let outcome = slot.into_inner().ok().flatten();
+    outcome.ok_or_else(|| Error::Usage("the run was lost".into()))
+}
+
+/// Writes the rows whole: to a temporary name beside it, then renamed.
+fn write(out: &Path, times: &[f64], outcome: &Outcome) -> Result<(), Error> {
+    let width = outcome.names.len().max(1);
+    let mut text = format!("time,{}\n", outcome.names.join(","));
+    for (time, row) in times.iter().zip(outcome.rows.chunks_exact(width)) {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{time:?}");
+        row.iter().for_each(|value| {
+            let _ = write!(text, ",{value:?}");
+        });
+        text.push('\n');
+    }
+    let mut part = out.as_os_str().to_owned();
+    part.push(".part");
+    let part = PathBuf::from(part);
+    let done = std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, out));
+    done.map_err(|error| Error::File {
+        path: out.to_owned(),
+        error,
+    })
 }

@@ -1,11 +1,12 @@
 //! Scenario CSV: first column `time` [s], then one column per signal (SI units).
 
 use crate::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Signals over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
+    path: PathBuf,
     time: Vec<f64>,
     names: Vec<String>,
     /// One column per name, each as long as `time`.
@@ -20,15 +21,22 @@ impl Scenario {
             path: path.into(),
             error,
         })?;
-        Self::parse(&text).map_err(|(line, what)| Error::Scenario {
+        Self::parse(path, &text)
+    }
+
+    /// Reads a scenario from text; `path` is for messages.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
+        let mut scenario = Self::table(text).map_err(|(line, what)| Error::Content {
             path: path.into(),
             line,
             what,
-        })
+        })?;
+        scenario.path = path.into();
+        Ok(scenario)
     }
 
-    /// Reads a scenario from text; an error carries its line.
-    fn parse(text: &str) -> Result<Self, (usize, String)> {
+    /// Reads the table; an error carries its line.
+    fn table(text: &str) -> Result<Self, (usize, String)> {
         let mut lines = text
             .lines()
             .enumerate()
@@ -42,6 +50,7 @@ impl Scenario {
         }
         let names: Vec<_> = names.collect();
         let mut scenario = Self {
+            path: PathBuf::new(),
             time: vec![],
             columns: vec![vec![]; names.len()],
             names,
@@ -75,6 +84,37 @@ impl Scenario {
         Ok(())
     }
 
+    /// Where it was read from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Names of the signals, in the order of the columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Values of a signal as they are in the file; none when there is no such signal.
+    pub fn values(&self, name: &str) -> &[f64] {
+        let column = self.find(name).and_then(|column| self.columns.get(column));
+        column.map_or(&[], Vec::as_slice)
+    }
+
+    /// Signals at all `times` [s], row by row; `held` tells which are held between rows.
+    pub fn rows(&self, names: &[String], held: &[bool], times: &[f64]) -> Vec<f64> {
+        let columns: Vec<(usize, bool)> = names
+            .iter()
+            .zip(held)
+            .filter_map(|(name, held)| Some((self.find(name)?, *held)))
+            .collect();
+        let row = |time: &f64| {
+            let time = *time;
+            let cells = columns.iter();
+            cells.map(move |(column, held)| self.sample(*column, time, *held))
+        };
+        times.iter().flat_map(row).collect()
+    }
+
     /// Column of a signal.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
@@ -101,7 +141,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Scenario {
-        Scenario::parse(text).unwrap_or_else(|(line, what)| panic!("{line}: {what}"))
+        Scenario::parse(Path::new("s.csv"), text).unwrap_or_else(|error| panic!("{error}"))
     }
 
     #[test]
@@ -132,7 +172,7 @@ mod tests {
             ("time,a\n0,1\n\n1,x\n", 4),
             ("time,a\n0,1,2\n", 2),
         ] {
-            assert_eq!(Scenario::parse(text).unwrap_err().0, line, "{text}");
+            assert_eq!(Scenario::table(text).unwrap_err().0, line, "{text}");
         }
     }
 }

@@ -1,156 +1,114 @@
-//! The inputs or outputs of one FMU: value references beside their values, one group per type.
+//! The inputs or outputs of one FMU: value references beside their values, one group per family.
 
+use crate::description::{Family, Variable};
 use fmi::fmi2::Fmi2Error;
 use fmi::fmi2::instance::{Common, InstanceCS};
-use fmi::fmi2::schema::{ScalarVariable, ScalarVariableElement};
 
-/// FMI's get/set family of a variable; an enumeration travels as an integer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// `fmi2Real`.
-    Real,
-    /// `fmi2Integer` and enumerations.
-    Integer,
-    /// `fmi2Boolean`.
-    Boolean,
-}
-
-/// The family of a variable; strings have none here.
-pub fn kind(variable: &ScalarVariable) -> Option<Kind> {
-    match variable.elem {
-        ScalarVariableElement::Real(_) => Some(Kind::Real),
-        ScalarVariableElement::Integer(_) | ScalarVariableElement::Enumeration => {
-            Some(Kind::Integer)
-        }
-        ScalarVariableElement::Boolean(_) => Some(Kind::Boolean),
-        ScalarVariableElement::String => None,
-    }
-}
-
-/// References and values of one type, always equally long.
-#[derive(Debug, Default)]
-struct Group<T> {
-    references: Vec<u32>,
-    values: Vec<T>,
-}
-
-impl<T: Default> Group<T> {
-    fn push(&mut self, reference: u32) {
-        self.references.push(reference);
-        self.values.push(T::default());
-    }
-}
+/// What an FMU function that failed is called, and the status it returned.
+pub type Failure = (&'static str, Fmi2Error);
 
 /// Inputs or outputs of one FMU: reals first, then integers, then booleans.
 #[derive(Debug, Default)]
 pub struct Signals {
-    names: Vec<(String, Kind)>,
-    reals: Group<f64>,
-    integers: Group<i32>,
-    booleans: Group<i32>,
+    reals: Vec<u32>,
+    integers: Narrow,
+    booleans: Narrow,
+}
+
+/// Integers or booleans: in the loop they are numbers, here they are what FMI calls them.
+#[derive(Debug, Default)]
+struct Narrow {
+    references: Vec<u32>,
+    values: Vec<i32>,
+}
+
+impl Narrow {
+    fn push(&mut self, reference: u32) {
+        self.references.push(reference);
+        self.values.push(0);
+    }
+
+    fn narrow(&mut self, numbers: &[f64]) {
+        let places = self.values.iter_mut().zip(numbers);
+        places.for_each(|(value, number)| *value = integer(*number));
+    }
+
+    fn widen(&self, numbers: &mut [f64]) {
+        let places = numbers.iter_mut().zip(&self.values);
+        places.for_each(|(number, value)| *number = f64::from(*value));
+    }
 }
 
 impl Signals {
-    /// Lays out the variables that are wanted.
-    pub fn new<'a>(variables: impl Iterator<Item = &'a ScalarVariable> + Clone) -> Self {
+    /// Lays out variables, which come sorted by family.
+    pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
         let mut signals = Self::default();
-        for group in [Kind::Real, Kind::Integer, Kind::Boolean] {
-            for variable in variables
-                .clone()
-                .filter(|variable| kind(variable) == Some(group))
-            {
-                signals.names.push((variable.name.clone(), group));
-                match group {
-                    Kind::Real => signals.reals.push(variable.value_reference),
-                    Kind::Integer => signals.integers.push(variable.value_reference),
-                    Kind::Boolean => signals.booleans.push(variable.value_reference),
-                }
+        for variable in variables {
+            match variable.family {
+                Family::Real => signals.reals.push(variable.reference),
+                Family::Integer => signals.integers.push(variable.reference),
+                Family::Boolean => signals.booleans.push(variable.reference),
             }
         }
         signals
     }
 
-    /// Names and types in the order of the values.
-    pub fn names(&self) -> &[(String, Kind)] {
-        &self.names
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.reals.len() + self.integers.references.len() + self.booleans.references.len()
     }
 
-    /// Sets the FMU's variables; `values` come in the order of the names.
-    pub fn set(
-        &mut self,
-        instance: &mut InstanceCS,
-        mut values: impl Iterator<Item = f64>,
-    ) -> Result<(), (&'static str, Fmi2Error)> {
-        self.reals
-            .values
-            .iter_mut()
-            .zip(&mut values)
-            .for_each(|(to, from)| *to = from);
-        let narrow = self
-            .integers
-            .values
-            .iter_mut()
-            .chain(&mut self.booleans.values);
-        narrow
-            .zip(values)
-            .for_each(|(to, from)| *to = integer(from));
-        let Self {
-            reals,
-            integers,
-            booleans,
-            ..
-        } = self;
-        if !reals.values.is_empty() {
-            let done = instance.set_real(&reals.references, &reals.values);
+    /// Sets the FMU's variables; `numbers` has as many as there are.
+    pub fn set(&mut self, instance: &mut InstanceCS, numbers: &[f64]) -> Result<(), Failure> {
+        let (reals, narrow) = numbers.split_at(self.reals.len().min(numbers.len()));
+        if !reals.is_empty() {
+            let done = instance.set_real(&self.reals, reals);
             done.map_err(|status| ("fmi2SetReal", status))?;
         }
-        if !integers.values.is_empty() {
-            let done = instance.set_integer(&integers.references, &integers.values);
+        if narrow.is_empty() {
+            return Ok(());
+        }
+        let (integers, booleans) = narrow.split_at(self.integers.values.len().min(narrow.len()));
+        if !integers.is_empty() {
+            self.integers.narrow(integers);
+            let done = instance.set_integer(&self.integers.references, &self.integers.values);
             done.map_err(|status| ("fmi2SetInteger", status))?;
         }
-        if !booleans.values.is_empty() {
-            let done = instance.set_boolean(&booleans.references, &booleans.values);
+        if !booleans.is_empty() {
+            self.booleans.narrow(booleans);
+            let done = instance.set_boolean(&self.booleans.references, &self.booleans.values);
             done.map_err(|status| ("fmi2SetBoolean", status))?;
         }
         Ok(())
     }
 
-    /// Reads the FMU's variables into `values`, in the order of the names.
-    pub fn get(
-        &mut self,
-        instance: &mut InstanceCS,
-        values: &mut [f64],
-    ) -> Result<(), (&'static str, Fmi2Error)> {
-        let Self {
-            reals,
-            integers,
-            booleans,
-            ..
-        } = self;
-        if !reals.values.is_empty() {
-            let done = instance.get_real(&reals.references, &mut reals.values);
+    /// Reads the FMU's variables into `numbers`, which has as many as there are.
+    pub fn get(&mut self, instance: &mut InstanceCS, numbers: &mut [f64]) -> Result<(), Failure> {
+        let (reals, narrow) = numbers.split_at_mut(self.reals.len().min(numbers.len()));
+        if !reals.is_empty() {
+            let done = instance.get_real(&self.reals, reals);
             done.map_err(|status| ("fmi2GetReal", status))?;
         }
-        if !integers.values.is_empty() {
-            let done = instance.get_integer(&integers.references, &mut integers.values);
+        if narrow.is_empty() {
+            return Ok(());
+        }
+        let (integers, booleans) =
+            narrow.split_at_mut(self.integers.values.len().min(narrow.len()));
+        if !integers.is_empty() {
+            let done = instance.get_integer(&self.integers.references, &mut self.integers.values);
             done.map_err(|status| ("fmi2GetInteger", status))?;
+            self.integers.widen(integers);
         }
-        if !booleans.values.is_empty() {
-            let done = instance.get_boolean(&booleans.references, &mut booleans.values);
+        if !booleans.is_empty() {
+            let done = instance.get_boolean(&self.booleans.references, &mut self.booleans.values);
             done.map_err(|status| ("fmi2GetBoolean", status))?;
+            self.booleans.widen(booleans);
         }
-        let narrow = integers
-            .values
-            .iter()
-            .chain(&booleans.values)
-            .map(|value| f64::from(*value));
-        let all = reals.values.iter().copied().chain(narrow);
-        values.iter_mut().zip(all).for_each(|(to, from)| *to = from);
         Ok(())
     }
 }
 
-/// A world value as an integer: exact for every i32, saturating beyond.
+/// A number as an integer: exact for every i32, saturating beyond.
 #[allow(clippy::cast_possible_truncation)] // saturation is what is wanted
 fn integer(value: f64) -> i32 {
     value as i32

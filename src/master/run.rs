@@ -1,0 +1,256 @@
+//! The loop itself: initialisation, then Gauss-Seidel or Jacobi steps.
+
+use crate::error::Error;
+use crate::fmu::{Fmu, Libraries};
+use crate::plan::{Coupling, Plan};
+use crate::world::{self, Gather};
+use std::ops::Range;
+
+/// Sweeps over the initial values, beyond one per component.
+const SWEEPS: usize = 50;
+
+/// Relative change of an initial value that counts as none.
+const SETTLED: f64 = 1e-14;
+
+/// FMUs wired together, ready to run once.
+///
+/// Every signal has one place in one vector, the world: the scenario's signals first, then the
+/// outputs of each FMU.
+pub struct Run {
+    parts: Vec<Part>,
+    names: Vec<String>,
+    script: usize,
+    world: Vec<f64>,
+    coupling: Coupling,
+}
+
+/// One FMU, what feeds it, and where its outputs live in the world.
+struct Part {
+    fmu: Fmu,
+    gather: Gather,
+    outputs: Range<usize>,
+    substeps: u32,
+}
+
+impl Part {
+    fn gather(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
+        self.gather.gather(world, time)
+    }
+
+    fn set_inputs(&mut self) -> Result<(), Error> {
+        self.fmu.set_inputs(&self.gather.values)
+    }
+
+    fn get_outputs(&mut self, world: &mut [f64]) -> Result<(), Error> {
+        let places = world.get_mut(self.outputs.clone()).unwrap_or_default();
+        self.fmu.get_outputs(places)
+    }
+
+    /// Advances with the gathered inputs, in equal parts.
+    fn step(&mut self, world: &mut [f64], time: f64, step: f64) -> Result<(), Error> {
+        let parts = f64::from(self.substeps);
+        for k in 0..self.substeps {
+            self.set_inputs()?;
+            let begin = time + f64::from(k) * step / parts;
+            self.fmu.step(begin, step / parts)?;
+        }
+        self.get_outputs(world)
+    }
+}
+
+impl Run {
+    /// Instantiates and wires the FMUs of a plan.
+    pub fn new(plan: &Plan, libraries: &mut Libraries) -> Result<Self, Error> {
+        let opened = plan.components.iter().map(|c| libraries.open(&c.fmu));
+        let opened: Vec<_> = opened.collect::<Result<_, _>>()?;
+        let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
+        let names = world::names(plan, &descriptions);
+        let mut parts = vec![];
+        let mut first = plan.script.len();
+        for (component, library) in plan.components.iter().zip(&opened) {
+            let (gather, inputs) = Gather::new(component, library.description(), &names)?;
+            let fmu = Fmu::new(&component.name, library.clone(), &inputs)?;
+            let outputs = first..first + fmu.outputs();
+            first = outputs.end;
+            parts.push(Part {
+                fmu,
+                gather,
+                outputs,
+                substeps: component.substeps.max(1),
+            });
+        }
+        Ok(Self {
+            parts,
+            world: vec![0.0; names.len()],
+            names,
+            script: plan.script.len(),
+            coupling: plan.coupling,
+        })
+    }
+
+    /// Names of all signals, in the order of a row.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Runs over `times` [s], the first of which is the start.
+    ///
+    /// `script` has a row of scenario signals for each time, and `rows` takes a row of all signals
+    /// for each; both row by row, as they are made. Returns how many rows are good, and why they
+    /// are not all.
+    pub fn run(
+        mut self,
+        plan: &Plan,
+        times: &[f64],
+        script: &[f64],
+        rows: &mut [f64],
+    ) -> (usize, Result<(), Error>) {
+        let width = self.names.len().max(1);
+        let scripted = |k: usize| script.get(k * self.script..(k + 1) * self.script);
+        let mut recorder = Recorder {
+            rows,
+            width,
+            done: 0,
+        };
+        let mut done = self.initialize(plan, times, scripted(0).unwrap_or_default());
+        if done.is_ok() {
+            done = self.record(&mut recorder, 0.0);
+        }
+        for (k, pair) in times.windows(2).enumerate() {
+            let &[time, next] = pair else { break };
+            if done.is_err() {
+                break;
+            }
+            let scripted = script.get((k + 1) * self.script..(k + 2) * self.script);
+            done = self.advance(time, next - time);
+            done = done.and_then(|()| {
+                self.play(scripted.unwrap_or_default());
+                self.record(&mut recorder, next)
+            });
+        }
+        (recorder.done, done)
+    }
+
+    /// Passes initial values on until nothing changes.
+    fn initialize(&mut self, plan: &Plan, times: &[f64], script: &[f64]) -> Result<(), Error> {
+        let stop = times.last().copied().unwrap_or_default();
+        for (part, component) in self.parts.iter_mut().zip(&plan.components) {
+            part.fmu.initialize(&component.start, stop)?;
+        }
+        self.play(script);
+        let Self { parts, world, .. } = self;
+        parts
+            .iter_mut()
+            .try_for_each(|part| part.get_outputs(world))?;
+        self.settle()?;
+        let Self { parts, world, .. } = self;
+        parts.iter_mut().try_for_each(|part| {
+            part.fmu.start()?;
+            part.get_outputs(world)
+        })
+    }
+
+    fn settle(&mut self) -> Result<(), Error> {
+        let mut changing = None;
+        for sweep in 0..self.parts.len() + SWEEPS {
+            let before = self.world.clone();
+            let Self { parts, world, .. } = self;
+            for part in parts.iter_mut() {
+                part.gather(world, 0.0)?;
+                part.set_inputs()?;
+                part.get_outputs(world)?;
+            }
+            changing = self
+                .world
+                .iter()
+                .zip(&before)
+                .position(|(now, old)| moved(*now, *old));
+            if changing.is_none() && sweep + 1 >= self.parts.len() {
+                return Ok(());
+            }
+        }
+        let value = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(f64::NAN);
+        changing.map_or(Ok(()), |k| {
+            Err(Error::Value {
+                name: self.names.get(k).cloned().unwrap_or_default(),
+                value: value(&self.world, k),
+                time: 0.0,
+                what: "it does not settle; the loop is algebraic",
+            })
+        })
+    }
+
+    fn advance(&mut self, time: f64, step: f64) -> Result<(), Error> {
+        let Self { parts, world, .. } = self;
+        match self.coupling {
+            Coupling::GaussSeidel => parts.iter_mut().try_for_each(|part| {
+                part.gather(world, time)?;
+                part.step(world, time, step)
+            }),
+            Coupling::Jacobi => {
+                parts
+                    .iter_mut()
+                    .try_for_each(|part| part.gather(world, time))?;
+                parts
+                    .iter_mut()
+                    .try_for_each(|part| part.step(world, time, step))
+            }
+        }
+    }
+
+    /// Puts the scenario's signals into the world.
+    fn play(&mut self, script: &[f64]) {
+        self.world
+            .iter_mut()
+            .zip(script)
+            .for_each(|(place, value)| *place = *value);
+    }
+
+    fn record(&self, recorder: &mut Recorder<'_>, time: f64) -> Result<(), Error> {
+        let finite = self
+            .world
+            .iter()
+            .fold(true, |all, value| all & value.is_finite());
+        recorder.push(&self.world, finite);
+        if finite {
+            return Ok(());
+        }
+        let bad = self
+            .names
+            .iter()
+            .zip(&self.world)
+            .find(|(_, value)| !value.is_finite());
+        let (name, value) = bad.map_or(("a signal", f64::NAN), |(name, value)| {
+            (name.as_str(), *value)
+        });
+        Err(Error::Value {
+            name: name.to_owned(),
+            value,
+            time,
+            what: "no finite number",
+        })
+    }
+}
+
+/// Rows so far; one that holds no number is not kept.
+struct Recorder<'a> {
+    rows: &'a mut [f64],
+    width: usize,
+    done: usize,
+}
+
+impl Recorder<'_> {
+    fn push(&mut self, row: &[f64], good: bool) {
+        let begin = self.done * self.width;
+        if let Some(place) = self.rows.get_mut(begin..begin + row.len()) {
+            place.copy_from_slice(row);
+            self.done += usize::from(good);
+        }
+    }
+}
+
+fn moved(now: f64, before: f64) -> bool {
+    now != before
+        && !(now.is_nan() && before.is_nan())
+        && (now - before).abs() > SETTLED * before.abs()
+}

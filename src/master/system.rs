@@ -1,0 +1,275 @@
+//! The system file of `dct-harness`: components, scenario, step; and the plan that follows.
+
+use crate::description::Description;
+use crate::error::Error;
+use crate::fmu::Libraries;
+use crate::plan::{Component, Connection, Coupling, Plan, Value};
+use crate::scenario::Scenario;
+use crate::{ssv, wiring};
+use indexmap::IndexMap;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Components that step first, in this order; all others keep the order of the file.
+const ORDER: [&str; 3] = ["plant", "observer", "control"];
+
+/// More communication points than this are a mistake.
+const MOST_STEPS: f64 = 1e8;
+
+/// A system file as it is written. Limits on KPIs are judged by `dct-harness`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    system: Head,
+    /// Judged by `dct-harness`.
+    #[serde(default, rename = "kpis")]
+    _kpis: Option<toml::Value>,
+    components: IndexMap<String, Part>,
+    #[serde(default)]
+    connections: Vec<Connection>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    name: String,
+    #[serde(default, rename = "title")]
+    _title: Option<String>,
+    step: f64,
+    stop: f64,
+    scenario: PathBuf,
+    #[serde(default)]
+    coupling: Coupling,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    fmu: PathBuf,
+    #[serde(default)]
+    parameters: Parameters,
+    #[serde(default = "one")]
+    substeps: u32,
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// A table of values, the name of a parameter file, or a list of both.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Parameters {
+    One(Set),
+    Several(Vec<Set>),
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::Several(vec![])
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Set {
+    File(PathBuf),
+    Values(BTreeMap<String, Value>),
+}
+
+/// A system file that has been read.
+pub struct System {
+    /// Name of the system.
+    pub name: String,
+    /// Communication step [s].
+    pub step: f64,
+    /// End of the run [s].
+    pub stop: f64,
+    /// The scenario.
+    pub scenario: PathBuf,
+    path: PathBuf,
+    coupling: Coupling,
+    parts: Vec<(String, Part)>,
+    connections: Vec<Connection>,
+    overrides: Vec<(String, String, Value)>,
+}
+
+impl System {
+    /// Reads a system file.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|error| Error::File {
+            path: path.to_owned(),
+            error,
+        })?;
+        let file: File = toml::from_str(&text).map_err(|error| Error::Content {
+            path: path.to_owned(),
+            line: error.span().map_or(0, |span| line(&text, span.start)),
+            what: error.message().to_owned(),
+        })?;
+        let mut parts: Vec<(String, Part)> = file.components.into_iter().collect();
+        parts.sort_by_key(|(name, _)| rank(name));
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Ok(Self {
+            name: file.system.name,
+            step: file.system.step,
+            stop: file.system.stop,
+            scenario: folder.join(file.system.scenario),
+            path: path.to_owned(),
+            coupling: file.system.coupling,
+            parts,
+            connections: file.connections,
+            overrides: vec![],
+        })
+    }
+
+    /// Sets one parameter or start value, above those of the file.
+    pub fn set(&mut self, component: &str, variable: &str, value: Value) -> Result<(), Error> {
+        if !self.parts.iter().any(|(name, _)| name == component) {
+            let known: Vec<&str> = self.parts.iter().map(|(name, _)| name.as_str()).collect();
+            let known = known.join(", ");
+            let what = format!("--set {component}.{variable}: no such component ({known})");
+            return Err(Error::Usage(what));
+        }
+        self.overrides
+            .push((component.into(), variable.into(), value));
+        Ok(())
+    }
+
+    /// Communication points [s].
+    pub fn times(&self) -> Result<Vec<f64>, Error> {
+        let usable = |seconds: f64| seconds.is_finite() && seconds > 0.0;
+        if !usable(self.step) || !usable(self.stop) || self.stop / self.step > MOST_STEPS {
+            return Err(Error::Content {
+                path: self.path.clone(),
+                line: 0,
+                what: format!(
+                    "step = {} s and stop = {} s must be above 0, with at most {MOST_STEPS:e} steps",
+                    self.step, self.stop
+                ),
+            });
+        }
+        Ok(crate::plan::communication_points(self.step, self.stop))
+    }
+
+    /// Decides everything; FMU files are looked for in `folder`.
+    pub fn plan(
+        &self,
+        folder: &Path,
+        scenario: &Scenario,
+        libraries: &mut Libraries,
+    ) -> Result<(Plan, Vec<bool>), Error> {
+        let mut opened = vec![];
+        let mut components = vec![];
+        for (name, part) in &self.parts {
+            let fmu = folder.join(&part.fmu);
+            let library = libraries.open(&fmu)?;
+            components.push(Component {
+                name: name.clone(),
+                start: self.values(name, part, library.description())?,
+                fmu,
+                inputs: vec![],
+                substeps: part.substeps.max(1),
+            });
+            opened.push(library);
+        }
+        let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
+        wiring::wire(&mut components, &descriptions, &self.connections, scenario)?;
+        let (script, held) = wiring::script(&components, &descriptions, scenario);
+        let plan = Plan {
+            components,
+            coupling: self.coupling,
+            script,
+        };
+        Ok((plan, held))
+    }
+
+    /// Values of a component; of two for one variable the last counts.
+    fn values(
+        &self,
+        name: &str,
+        part: &Part,
+        description: &Description,
+    ) -> Result<Vec<(String, Value)>, Error> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let sets = match &part.parameters {
+            Parameters::One(set) => std::slice::from_ref(set),
+            Parameters::Several(sets) => sets.as_slice(),
+        };
+        let mut found: Vec<(String, Value)> = vec![];
+        for set in sets {
+            let values = match set {
+                Set::File(file) => ssv::read(&folder.join(file), description)?,
+                Set::Values(values) => values.clone().into_iter().collect(),
+            };
+            values
+                .into_iter()
+                .for_each(|(name, value)| put(&mut found, name, value));
+        }
+        for (component, variable, value) in &self.overrides {
+            if component == name {
+                put(&mut found, variable.clone(), value.clone());
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// A value that is given again keeps its first place.
+fn put(values: &mut Vec<(String, Value)>, name: String, value: Value) {
+    match values.iter_mut().find(|(known, _)| *known == name) {
+        Some((_, old)) => *old = value,
+        None => values.push((name, value)),
+    }
+}
+
+fn rank(name: &str) -> usize {
+    ORDER
+        .iter()
+        .position(|known| *known == name)
+        .unwrap_or(ORDER.len())
+}
+
+fn line(text: &str, offset: usize) -> usize {
+    text.get(..offset).unwrap_or(text).matches('\n').count() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<System, Error> {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("loop.toml");
+        std::fs::write(&path, text).unwrap();
+        System::load(&path)
+    }
+
+    const HEAD: &str = "[system]\nname = \"n\"\nstep = 0.01\nstop = 1\nscenario = \"s.csv\"\n";
+
+    #[test]
+    fn the_plant_steps_first() {
+        let parts = "[components.zulu]\nfmu = \"z\"\n[components.observer]\nfmu = \"o\"\n[components.plant]\nfmu = \"p\"\n";
+        let system = load(&format!("{HEAD}{parts}")).unwrap_or_else(|error| panic!("{error}"));
+        let names: Vec<_> = system.parts.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["plant", "observer", "zulu"]);
+        assert_eq!(system.times().unwrap_or_default().len(), 101);
+    }
+
+    #[test]
+    fn a_fault_is_told_with_its_line() {
+        let Err(error) = load(&HEAD.replace("0.01", "\"fast\"")) else {
+            panic!("was read")
+        };
+        assert!(error.to_string().contains("loop.toml:3: "), "{error}");
+    }
+
+    #[test]
+    fn a_step_that_makes_no_sense_is_refused() {
+        for step in ["0.0", "-1.0", "nan", "1e-300"] {
+            let text = HEAD.replace("0.01", step) + "[components.plant]\nfmu = \"p\"\n";
+            let system = load(&text).unwrap_or_else(|error| panic!("{error}"));
+            assert!(system.times().is_err(), "{step}");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! All values of a loop in one vector, and what happens to a value on its way into an input.
+
+use crate::description::{Causality, Description, Variable};
+use crate::error::Error;
+use crate::fmu;
+use crate::plan::{Component, Input, Plan};
+use std::collections::HashMap;
+
+/// Names of all values, as `component.variable`: the scenario's first, then the outputs of each
+/// component in the plan's order.
+pub fn names(plan: &Plan, descriptions: &[&Description]) -> Vec<String> {
+    let script = plan.script.iter().map(|name| format!("scenario.{name}"));
+    let outputs = plan.components.iter().zip(descriptions);
+    let outputs = outputs.flat_map(|(component, description)| {
+        let all = fmu::outputs(description).into_iter();
+        all.map(|variable| format!("{}.{}", component.name, variable.name))
+    });
+    script.chain(outputs).collect()
+}
+
+/// Gathers the inputs of one component from the world.
+#[derive(Debug, Default)]
+pub struct Gather {
+    sources: Vec<usize>,
+    /// Only where something is changed: place, factor, offset.
+    lines: Vec<(usize, f64, f64)>,
+    tables: Vec<Table>,
+    /// The gathered values.
+    pub values: Vec<f64>,
+}
+
+#[derive(Debug)]
+struct Table {
+    name: String,
+    place: usize,
+    rows: Vec<(f64, f64)>,
+}
+
+impl Gather {
+    /// Returns it with the variables whose values it gathers, sorted by family.
+    pub fn new<'a>(
+        component: &Component,
+        description: &'a Description,
+        names: &[String],
+    ) -> Result<(Self, Vec<&'a Variable>), Error> {
+        let places: HashMap<&str, usize> = names
+            .iter()
+            .enumerate()
+            .map(|(k, name)| (name.as_str(), k))
+            .collect();
+        let mut found = Vec::with_capacity(component.inputs.len());
+        for input in &component.inputs {
+            let name = format!("{}.{}", component.name, input.name);
+            let variable = description.find(&input.name);
+            let variable = variable.ok_or_else(|| Error::variable(&name, "does not exist"))?;
+            if !can_be_set(variable) {
+                return Err(Error::variable(
+                    name,
+                    "is no input and no tunable parameter",
+                ));
+            }
+            let source = places.get(input.source.as_str()).copied();
+            let missing = || format!("reads '{}', which does not exist", input.source);
+            found.push((
+                variable,
+                input,
+                source.ok_or_else(|| Error::variable(name, missing()))?,
+            ));
+        }
+        found.sort_by_key(|(variable, ..)| variable.family);
+        let mut gather = Self::default();
+        for (place, (_, input, source)) in found.iter().enumerate() {
+            gather.push(component, place, input, *source);
+        }
+        Ok((
+            gather,
+            found.into_iter().map(|(variable, ..)| variable).collect(),
+        ))
+    }
+
+    fn push(&mut self, component: &Component, place: usize, input: &Input, source: usize) {
+        self.sources.push(source);
+        self.values.push(0.0);
+        if !input.table.is_empty() {
+            self.tables.push(Table {
+                name: format!("{}.{}", component.name, input.name),
+                place,
+                rows: input.table.clone(),
+            });
+        } else if input.line != (1.0, 0.0) {
+            self.lines.push((place, input.line.0, input.line.1));
+        }
+    }
+
+    /// Reads the world at communication point `time` [s].
+    pub fn gather(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
+        for (value, source) in self.values.iter_mut().zip(&self.sources) {
+            *value = world.get(*source).copied().unwrap_or(f64::NAN);
+        }
+        for (place, factor, offset) in &self.lines {
+            if let Some(value) = self.values.get_mut(*place) {
+                *value = *value * factor + offset;
+            }
+        }
+        for table in &self.tables {
+            if let Some(value) = self.values.get_mut(table.place) {
+                *value = table.look_up(*value, time)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Table {
+    fn look_up(&self, value: f64, time: f64) -> Result<f64, Error> {
+        let row = self.rows.iter().find(|(source, _)| *source == value);
+        row.map(|(_, target)| *target).ok_or_else(|| Error::Value {
+            name: self.name.clone(),
+            value,
+            time,
+            what: "it is in no row of its table",
+        })
+    }
+}
+
+fn can_be_set(variable: &Variable) -> bool {
+    matches!(
+        variable.causality,
+        Causality::Input | Causality::Parameter { tunable: true }
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gather(line: (f64, f64), table: Vec<(f64, f64)>) -> Gather {
+        let component = Component {
+            name: "plant".into(),
+            ..Component::default()
+        };
+        let input = Input {
+            name: "u".into(),
+            source: "scenario.u".into(),
+            line,
+            table,
+        };
+        let mut gather = Gather::default();
+        gather.push(&component, 0, &input, 1);
+        gather
+    }
+
+    #[test]
+    fn a_value_passes_its_line_or_its_table() {
+        for (line, table, expected) in [
+            ((1.0, 0.0), vec![], 3.0),
+            ((2.0, 1.0), vec![], 7.0),
+            ((2.0, 1.0), vec![(3.0, -1.0)], -1.0),
+        ] {
+            let mut gather = gather(line, table);
+            gather.gather(&[0.0, 3.0], 0.0).unwrap();
+            assert_eq!(gather.values, [expected], "{line:?}");
+        }
+    }
+
+    #[test]
+    fn a_value_without_a_row_is_named_with_its_time() {
+        let error = gather((1.0, 0.0), vec![(1.0, 2.0)]).gather(&[0.0, 3.0], 0.5);
+        let text = error.unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "plant.u is 3 at t = 0.5 s: it is in no row of its table"
+        );
+    }
+}
