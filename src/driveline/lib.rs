@@ -5,6 +5,7 @@
 pub mod clutch;
 pub mod control;
 pub mod coupling;
+pub mod friction;
 pub mod identify;
 pub mod integrate;
 pub mod jerk;
@@ -14,6 +15,7 @@ pub mod plant;
 mod plant_block;
 mod plant_brake;
 mod plant_empty;
+mod plant_friction;
 mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;

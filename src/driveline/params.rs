@@ -1,6 +1,7 @@
 //! Parameters of the driveline: Table 1, the values the paper leaves open, derived inertias.
 
 use crate::ForceMap;
+use crate::friction::FrictionCurve;
 
 /// Number of gears a shaft can carry.
 pub const GEARS_PER_SHAFT: usize = 4;
@@ -54,6 +55,8 @@ pub struct ClutchParams {
     pub mu_k: f64,
     /// μ_s ≥ μ_k: static friction coefficient [1].
     pub mu_s: f64,
+    /// φ(|slip|): what becomes of μ_k while the clutch slips.
+    pub curve: FrictionCurve,
     /// r_c·N: effective torque radius times number of friction surfaces [m].
     pub r_c_n: f64,
     /// Actuator position [m] to normal force [N].
@@ -151,6 +154,7 @@ impl Params {
             ClutchParams {
                 mu_k: 0.26,
                 mu_s: 0.30,
+                curve: FrictionCurve::CONSTANT,
                 r_c_n: 0.095,
                 map: ForceMap::CLUTCH_1,
                 piston_area: 0.0,
@@ -159,6 +163,7 @@ impl Params {
             ClutchParams {
                 mu_k: 0.22,
                 mu_s: 0.25,
+                curve: FrictionCurve::CONSTANT,
                 r_c_n: 0.095,
                 map: ForceMap::CLUTCH_2,
                 piston_area: 0.0,

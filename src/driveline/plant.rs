@@ -86,6 +86,8 @@ impl Plant {
             grade: Grade::LEVEL.at(input.phi),
             ..Self::AT_REST
         };
+        let mut place = None;
+        let p = p.with_static_friction(&mut place);
         let (held, none) = (InputRate::default(), Event::default());
         plant.resolve_brake(p, input, &held, &none);
         plant.resolve(p, systems, input, &held, &none);
@@ -130,9 +132,12 @@ impl Plant {
         rate: &InputRate,
         mut report: impl FnMut(f64, [Mode; 3], [Mode; 3]),
     ) {
+        let varies = p.friction_varies();
+        let mut place = None;
+        let p = p.with_static_friction(&mut place);
         let (mut now, mut rate) = (input.after(rate, 0.0), *rate);
         let (mut done, mut piece, mut events) = (0, 0, 0);
-        let mut cap = LADDER;
+        let mut cap = LADDER - if varies { 2 } else { 0 };
         let before = self.all_modes();
         self.grade = self.grade.at(now.phi);
         self.resolve_all(p, ladders, &now, &rate, &Event::default());
@@ -141,7 +146,15 @@ impl Plant {
             let propagators = ladders.of(p, self.coupling(input.gear));
             let level = level(done - piece, TICKS - done).min(cap);
             let rung = propagators.rung(stuck_set(self.modes), level);
-            let block = Block::new(p, self, rung, &now, &rate);
+            let (block, settled) = if varies {
+                Block::with_varying_friction(p, self, rung, &now, &rate)
+            } else {
+                (Block::new(p, self, rung, &now, &rate), true)
+            };
+            if !settled && level > 0 {
+                cap = level - 1;
+                continue;
+            }
             let systems = &propagators.systems;
             let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
             let (crossing, event) = if block.is_quiet(p, rows, self.modes, self.brake) {
@@ -154,7 +167,7 @@ impl Plant {
                 continue;
             }
             self.accept(&propagators.systems, rung, &block);
-            (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
+            (now, cap, done) = (block.input_end, LADDER - if varies { 2 } else { 0 }, done + ticks(level));
             if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
@@ -179,7 +192,8 @@ impl Plant {
             let direction = self.brake_direction();
             input.load_torque(p, grade, x[W], direction).0
         };
-        let v = torques(p, self.modes, input.t_e, input.force, t_v);
+        let factor = self.friction_factor(p);
+        let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
         let system = &systems.by_stuck[stuck_set(self.modes)];
         let t_c = [0, 1].map(|i| match self.modes[i] {
             Mode::Stuck => system.rows.torque[i].of(x, &v),
@@ -280,6 +294,7 @@ impl Plant {
             p,
             Torques::from([input.t_e, 0.0, 0.0, t_v]),
             input.force,
+            self.friction_factor(p),
             pressed,
         );
         self.modes = resolve(systems, &self.x, &load, self.modes, event);

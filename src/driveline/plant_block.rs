@@ -17,15 +17,19 @@ const LOAD_ITERATIONS: u32 = 3;
 const LOAD_SETTLED: f64 = 1e-8;
 
 /// v with friction torques in slipping clutches, shape (4).
+///
+/// `factor`: what becomes of μ_k [1], shape (2).
 pub(crate) fn torques(
     p: &Params,
     modes: [Mode; 2],
+    factor: [f64; 2],
     t_e: f64,
     force: [f64; 2],
     t_v: f64,
 ) -> Torques {
-    let friction =
-        |i: usize| modes[i].direction() * p.clutch[i].mu_k * force[i] * p.clutch[i].r_c_n;
+    let friction = |i: usize| {
+        modes[i].direction() * p.clutch[i].mu_k * force[i] * p.clutch[i].r_c_n * factor[i]
+    };
     Torques::from([t_e, friction(0), friction(1), t_v])
 }
 
@@ -49,7 +53,7 @@ pub(crate) struct Block {
     input: Input,
     pub(crate) input_end: Input,
     rate: InputRate,
-    grade_end: Grade,
+    pub(crate) grade_end: Grade,
 }
 
 impl Block {
@@ -61,30 +65,54 @@ impl Block {
         input: &Input,
         rate: &InputRate,
     ) -> Self {
-        let input_end = input.after(rate, rung.t);
+        let mut block = Self::begin(p, plant, rung, input, rate, [1.0; 2]);
         let direction = plant.brake.direction();
-        let grade = plant.grade.at(input.phi);
-        let grade_end = grade.at(input_end.phi);
-        let (t_v, _) = input.load_torque(p, grade, plant.x[W], direction);
-        let v = torques(p, plant.modes, input.t_e, input.force, t_v);
-        let v_dot = torques(p, plant.modes, rate.t_e, rate.force, 0.0);
-        let mut z = augmented(&plant.x, &v, &v_dot);
-        let mut motion = rung.motion(&z);
-        let ramp = load_ramp(rung, &z, &motion, |omega_w| {
-            input_end.load_torque(p, grade_end, omega_w, direction)
+        let ramp = load_ramp(rung, &block.z, &block.motion, |omega_w| {
+            let grade = block.grade_end;
+            block.input_end.load_torque(p, grade, omega_w, direction)
         });
-        rung.add_load_ramp(&mut motion, ramp);
-        z[STATES + 2 * TORQUES - 1] = ramp;
+        rung.add_load_ramp(&mut block.motion, ramp);
+        block.z[STATES + 2 * TORQUES - 1] = ramp;
+        block.x_end = block.motion.end(&block.z);
+        block
+    }
+
+    /// The block over a rung with a load that stays as it is.
+    ///
+    /// `factor`: what becomes of μ_k [1], shape (2).
+    #[inline(always)]
+    pub(crate) fn begin(
+        p: &Params,
+        plant: &Plant,
+        rung: &Rung,
+        input: &Input,
+        rate: &InputRate,
+        factor: [f64; 2],
+    ) -> Self {
+        let input_end = input.after(rate, rung.t);
+        let grade = plant.grade.at(input.phi);
+        let (t_v, _) = input.load_torque(p, grade, plant.x[W], plant.brake.direction());
+        let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
+        let v_dot = torques(p, plant.modes, factor, rate.t_e, rate.force, 0.0);
+        let z = augmented(&plant.x, &v, &v_dot);
+        let motion = rung.motion(&z);
         Self {
             t: rung.t,
             z,
             motion,
-            x_end: motion.end(&z),
+            x_end: plant.x,
             input: *input,
             input_end,
             rate: *rate,
-            grade_end,
+            grade_end: grade.at(input_end.phi),
         }
+    }
+
+    /// Adds a ramp [N·m/s] to torque `q` of T_e, T_c1, T_c2, T_v.
+    pub(crate) fn add_ramp(&mut self, rung: &Rung, q: usize, ramp: f64) {
+        rung.add_ramp(&mut self.motion, q, ramp);
+        self.z[STATES + TORQUES + q] += ramp;
+        self.x_end = self.motion.end(&self.z);
     }
 
     /// Whether a quick look proves that no guard is crossed; [`Self::events`] looks closely.

@@ -119,7 +119,7 @@ impl Guard {
 pub struct Load {
     /// T_e, and T_v with the brake [N·m]; entries of the clutches are not used.
     pub torques: Torques,
-    /// Largest friction torque of each slipping clutch, μ_k F_n r_c N [N·m], shape (2).
+    /// Friction torque of each slipping clutch, μ_k φ F_n r_c N [N·m], shape (2).
     pub kinetic: [f64; 2],
     /// Largest torque of each engaged clutch, μ_s F_n r_c N [N·m], shape (2).
     pub peak: [f64; 2],
@@ -128,12 +128,18 @@ pub struct Load {
 }
 
 impl Load {
-    /// Load with normal forces `force` [N] on the clutches of `p`.
-    pub fn new(p: &Params, torques: Torques, force: [f64; 2], pressed: [bool; 2]) -> Self {
+    /// Load with normal forces `force` [N] on the clutches of `p`, whose μ_k becomes `factor` [1] times it.
+    pub fn new(
+        p: &Params,
+        torques: Torques,
+        force: [f64; 2],
+        factor: [f64; 2],
+        pressed: [bool; 2],
+    ) -> Self {
         let capacity = |i: usize| force[i] * p.clutch[i].r_c_n;
         Self {
             torques,
-            kinetic: [0, 1].map(|i| p.clutch[i].mu_k * capacity(i)),
+            kinetic: [0, 1].map(|i| p.clutch[i].mu_k * capacity(i) * factor[i]),
             peak: [0, 1].map(|i| p.clutch[i].mu_s * capacity(i)),
             pressed,
         }

@@ -25,7 +25,7 @@ use crate::Params;
 use crate::plant::Plant;
 use crate::plant_block::torques;
 use crate::plant_brake::drive_shaft_torque;
-use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W};
+use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Mode, stuck_set};
 use crate::plant_ports::{Input, InputRate, Output};
 
@@ -82,7 +82,8 @@ impl Plant {
         rate: &InputRate,
     ) -> Output {
         let now = self.outputs(p, systems, input);
-        let v = torques(p, self.modes, input.t_e, input.force, now.t_v);
+        let factor = self.friction_factor(p);
+        let v = torques(p, self.modes, factor, input.t_e, input.force, now.t_v);
         let x_dot = systems.by_stuck[stuck_set(self.modes)].derivative(&self.x, &v);
         Output {
             friction_energy: now.friction_power,
@@ -90,14 +91,21 @@ impl Plant {
         }
     }
 
-    /// δv: change of T_e, T_c1, T_c2 and T_v [N·m]; linear, so the same function that makes v makes it.
+    /// δv: change of T_e, T_c1, T_c2 and T_v [N·m]; linear in the inputs, so the same function that makes v
+    /// makes it, and friction that varies with slip adds its slope.
     fn torque_change(&self, p: &Params, input: &Input, dx: &State, du: &InputRate) -> Torques {
         let t_v = if self.brake == Mode::Stuck {
             drive_shaft_torque(p, dx)
         } else {
             self.load_change(p, input, dx[W], du)
         };
-        torques(p, self.modes, du.t_e, du.force, t_v)
+        let factor = self.friction_factor(p);
+        let mut dv = torques(p, self.modes, factor, du.t_e, du.force, t_v);
+        let (at, by) = (slip(&self.x), slip(dx));
+        for i in [0, 1] {
+            dv[1 + i] += self.friction_at(p, i, input.force[i], at[i]).1 * by[i];
+        }
+        dv
     }
 
     /// Change of T_v of (11) with the brake [N·m].

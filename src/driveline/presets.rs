@@ -11,6 +11,7 @@
 //! ```
 
 use crate::ForceMap;
+use crate::friction::FrictionCurve;
 use crate::params::{ClutchParams, Params, RoadParams};
 
 /// Final-drive ratio of output shaft 1 (gears 1-4) of the box that [`Params::DRY_7`] follows [1].
@@ -87,6 +88,7 @@ impl ClutchParams {
     const WET_6: Self = Self {
         mu_k: 0.30,
         mu_s: 0.31,
+        curve: FrictionCurve::CONSTANT,
         r_c_n: 0.130 * 4.0,
         map: ForceMap::CLUTCH_1,
         piston_area: 0.001,
@@ -98,6 +100,7 @@ impl ClutchParams {
         Self {
             mu_k: 0.30,
             mu_s: 0.33,
+            curve: FrictionCurve::CONSTANT,
             r_c_n: 2.0 * 0.0975,
             map,
             piston_area: 0.0,

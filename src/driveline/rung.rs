@@ -51,6 +51,12 @@ impl Motion {
         z[W] + self.0[W]
     }
 
+    /// Slip 1, slip 2 and ω_w at the end [rad/s], shape (3): what T_c1, T_c2 and T_v work on.
+    pub(crate) fn worked_speeds(&self, z: &Augmented) -> [f64; 3] {
+        let x = self.end(z);
+        [x[D] - x[C], x[D] - x[C + 1], x[W]]
+    }
+
     /// Work of T_e, T_c1, T_c2, T_v on ω_e, slip 1, slip 2, ω_w [J], shape (4).
     pub fn work(&self, z: &Augmented) -> Torques {
         let z = entries(z);
@@ -99,6 +105,17 @@ impl Rung {
     /// ∂ω_w(t) / ∂T_v' [s²/(kg·m²)]: effect of the ramp of the load on the wheel speed.
     pub fn wheel_speed_by_load_ramp(&self) -> f64 {
         self.columns[AUGMENTED - 1][W]
+    }
+
+    /// Adds what a ramp [N·m/s] of torque `q` of T_e, T_c1, T_c2, T_v does to a motion without it.
+    pub(crate) fn add_ramp(&self, motion: &mut Motion, q: usize, ramp: f64) {
+        add(&mut motion.0, &self.columns[RAMP + q], ramp);
+    }
+
+    /// Effect of the ramp of torque `q` on [`Motion::worked_speeds`] [s²/(kg·m²)], shape (3).
+    pub(crate) fn worked_speeds_by_ramp(&self, q: usize) -> [f64; 3] {
+        let x = &self.columns[RAMP + q];
+        [x[D] - x[C], x[D] - x[C + 1], x[W]]
     }
 
     /// Energy lost in the dampers from z [J].

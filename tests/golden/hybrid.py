@@ -3,6 +3,8 @@
 Modes per clutch: open (F_n = 0), slipping with the sign of the slip, engaged. Inside a smooth
 piece a slip zero or |T_c| = mu_s F r N is found by root finding (brentq); at every input sample
 and event the modes of the clutches at zero slip are enumerated and the consistent set is taken.
+Friction that varies with slip is one straight line per piece: where a slip passes a point of its
+curve the piece is cut, like at an event.
 The brake is a third clutch, between the wheels and the road: engaged, it holds them.
 """
 
@@ -11,12 +13,14 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+from curves import Line
 from propagator import Propagator
 from reference_plant import ENGAGED, OPEN, ModeSystem
 from scipy.optimize import brentq, minimize_scalar
 
 STATE_NUMBER = {OPEN: 1, 1: 2, -1: 2, ENGAGED: 3}
 PARTS = (1, 2, "brake")
+LINES = 3  # guards from here on: the slips of both clutches on the lines of their curves
 STATE_NAME = {1: "disengaged", 2: "slipping", 3: "engaged"}
 ZERO_SLIP = 1e-10  # [rad/s] at rest together; below what two accelerations leave after a step
 SLIP_TOL, TORQUE_TOL = 1e-12, 1e-9  # [rad/s], [N·m] round-off of a guard that starts at zero
@@ -32,6 +36,7 @@ class Simulation:
         self.rows, self.events, self.piece, self.at_start = [], [], None, True
         self.work = np.zeros(4)  # engine, dampers, clutch friction, load [J]
         self.turnover, self.stored_0 = 0.0, plant.energy(self.x)
+        self.lines = [Line(curve) for curve in plant.p.curves]
 
     def run(self, pieces):
         """Advance over all `pieces`; the first row is at the start."""
@@ -67,14 +72,16 @@ class Simulation:
         force = [self.plant.p.force(i, u[..., 1 + i]) for i in range(2)]
         return u[..., 0], force, u[..., 3], u[..., 4]
 
-    def _forcing(self, mode, offset):
+    def _forcing(self, mode, offset, x):
+        """T_e and the friction torques at states `x`, shape (..., 4)."""
         torque, force, *_ = self._inputs(offset)
         v = np.zeros((*np.shape(offset), 4))
         v[..., 0] = torque
         p = self.plant.p
         for i in range(2):
             if mode[i] in (1, -1):
-                v[..., 1 + i] = mode[i] * p.mu_k[i] * force[i] * p.r_n[i]
+                factor = self.lines[i].factor(mode[i] * (x @ self.plant.slip[i]))
+                v[..., 1 + i] = mode[i] * p.mu_k[i] * factor * force[i] * p.r_n[i]
         return v
 
     def _peak(self, i, offset):
@@ -90,7 +97,7 @@ class Simulation:
         return self.plant.p.load_torque(omega_w, grade) + dry
 
     def _full_forcing(self, mode, offset):
-        v = self._forcing(mode, offset)
+        v = self._forcing(mode, offset, self.x)
         v[3] = self._load(mode, self.x[self.plant.row_w], offset)
         return v
 
@@ -103,7 +110,7 @@ class Simulation:
         key = (self.mode, h)
         if key not in self.cache:
             system = self._system(self.mode)
-            made = Propagator(system, h, self.plant.row_w, self.stages)
+            made = Propagator(system, h, self.plant.sliding, self.stages)
             if abs(h - self.piece.duration) > 0:  # the rest of a piece after an event: used once
                 return made
             self.cache[key] = made
@@ -187,6 +194,9 @@ class Simulation:
                 event = {"time": float(time), "clutch": PARTS[i], "from": STATE_NAME[a]}
                 event |= {"to": STATE_NAME[b], "direction": mode[i] if b == 2 else 0}
                 self.events.append(event)
+        for i in range(2):
+            if mode[i] in (1, -1) and mode[i] != self.mode[i]:
+                self.lines[i].begin(abs(self.plant.slip[i] @ self.x))
         self.mode = tuple(mode)
         self._project()
 
@@ -211,7 +221,7 @@ class Simulation:
                 return
             fraction, clutch = hit
             if fraction > 0:
-                part = Propagator(prop.system, fraction * prop.h, self.plant.row_w, self.stages)
+                part = Propagator(prop.system, fraction * prop.h, self.plant.sliding, self.stages)
                 self._book(part, *self._piece_states(part, done))
                 done += part.h
             self._event(clutch, done)
@@ -220,14 +230,23 @@ class Simulation:
         raise RuntimeError(f"more than 50 events in the step at {self.piece.start}")
 
     def _event(self, clutch, done):
+        if clutch >= LINES:  # a slip at a point of its curve
+            i = clutch - LINES
+            self.lines[i].turn(self.mode[i] * (self.plant.slip[i] @ self.x))
+            return
         engaged = self.mode[clutch] == ENGAGED
         broken, reached = (clutch, None) if engaged else (None, clutch)
         self._resolve(self.piece.start + done, done, broken, reached)
 
     def _piece_states(self, prop, done):
         offset = done + prop.nodes * prop.h
-        forcing = self._forcing(self.mode, offset)
-        v = prop.solve_forcing(self.x, forcing, lambda w: self._load(self.mode, w, offset))
+
+        def forcing(x):
+            v = self._forcing(self.mode, offset, x)
+            v[:, 3] = self._load(self.mode, x[:, self.plant.row_w], offset)
+            return v
+
+        v = prop.solve_forcing(self.x, forcing)
         return v, prop.sample(self.x, v)
 
     def _book(self, prop, v, xs):
@@ -247,6 +266,11 @@ class Simulation:
 
     def _guard(self, i, xs, v, offset):
         """Positive while clutch `i` keeps its mode; None for an open clutch."""
+        if i >= LINES:
+            sign = self.mode[i - LINES]
+            slip = sign * (xs @ self.plant.slip[i - LINES])
+            line = self.lines[i - LINES]
+            return line.guard(slip) if line.bends and sign in (1, -1) else None
         if self.mode[i] == OPEN:
             return None
         if self.mode[i] == ENGAGED:
@@ -261,11 +285,11 @@ class Simulation:
         states = np.vstack([self.x, xs])
         vp = np.vstack([v[0], prop.forcing_map @ v])
         hits = []
-        for i in range(3):
+        for i in range(LINES + 2):
             guard = self._guard(i, states, vp, done + grid * prop.h)
             if guard is None:
                 continue
-            tol = TORQUE_TOL if self.mode[i] == ENGAGED else SLIP_TOL
+            tol = TORQUE_TOL if i < LINES and self.mode[i] == ENGAGED else SLIP_TOL
             bracket = self._bracket(guard, grid, tol, self._probe(i, prop, v, done))
             if bracket is not None:
                 hits.append((bracket, i))

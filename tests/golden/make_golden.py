@@ -49,10 +49,21 @@ def write_json(path, value):
     path.write_text(json.dumps(value, indent=1) + "\n")
 
 
+def curve_json(curves):
+    """FMI parameters of the friction curves of both clutches."""
+    return {
+        f"clutch{i + 1}.frictionCurve.{name}[{k + 1}]": value
+        for i, curve in enumerate(curves)
+        for name, values in zip(("slip", "factor"), curve or (), strict=False)
+        for k, value in enumerate(values)
+    }
+
+
 def case_json(case, params):
     """What a run needs beside its scenario, and the FMI parameters that leave the preset."""
     changed = {"transmission.rigid": True} if case.rigid else {}
-    changed |= {FMI_NAMES[name]: value for name, value in case.params.items()}
+    for name, value in case.params.items():
+        changed |= curve_json(value) if name == "curves" else {FMI_NAMES[name]: value}
     return {
         "about": case.about,
         "preset": "paper",

@@ -5,8 +5,9 @@ Over a piece of duration h the forcing v(t) = [T_e, T_c1, T_c2, T_v] is a polyno
 
     x(c h) = exp(A c h) x0 + sum_j Psi_j(c) v(c_j h),
 
-whatever the stiffness of A. Only T_v depends on x, through omega_w, and is found by fixed-point
-iteration (contraction h |dT_v/domega_w| / J_v < 3e-3 at h = 1 ms).
+whatever the stiffness of A. T_v depends on x through omega_w, and friction that varies with slip
+through the slips; both are found by fixed-point iteration (contraction h |dT_v/domega_w| / J_v < 3e-3
+at h = 1 ms).
 """
 
 from __future__ import annotations
@@ -40,12 +41,13 @@ class Propagator:
 
     Attributes
     ----------
+    watched : ndarray, shape (3, n), rows that read what the forcing depends on
     points : ndarray, shape (P), where x is sampled, fractions of h, the last one is 1
     weights : ndarray, shape (P), quadrature weights on `points` (0 at the end point)
     """
 
-    def __init__(self, system, h, row_w, stages=None):
-        self.system, self.h, self.row_w = system, h, row_w
+    def __init__(self, system, h, watched, stages=None):
+        self.system, self.h, self.watched = system, h, watched
         self.nodes = lobatto(stages or STAGES)
         gauss, weights = graded_gauss()
         self.points, self.weights = np.append(gauss, 1.0), np.append(weights, 0.0)
@@ -56,7 +58,7 @@ class Propagator:
         phi, psi = self.maps(np.concatenate([self.points, self.nodes[1:]]))
         count = len(self.points)
         self.phi, self.psi = phi[:count], psi[:count]
-        self.phi_w, self.psi_w = phi[count:, row_w], psi[count:, row_w]
+        self.phi_n, self.psi_n = phi[count:], psi[count:]
 
     def _generator(self):
         # z = [x, v, v', ..., v^(s-1)] / scaled time: monomial t^j has j-th derivative j!.
@@ -75,25 +77,23 @@ class Propagator:
         psi = np.einsum("pnji,jk->pnki", psi, factor)
         return full[:, :n, :n], psi.reshape(len(fractions), n, 4 * s)
 
-    def solve_forcing(self, x0, forcing, load):
-        """Nodal forcing with the load consistent with the motion.
+    def solve_forcing(self, x0, forcing):
+        """Nodal forcing that is consistent with the motion, shape (s, 4).
 
         Parameters
         ----------
-        forcing : ndarray, shape (s, 4), T_e and friction torques at the nodes [N·m]
-        load : callable, nodal omega_w, shape (s) -> T_v, shape (s) [N·m]
+        forcing : callable, nodal states, shape (s, n) -> nodal forcing, shape (s, 4) [N·m]
         """
-        v = forcing.copy()
-        omega = np.full(len(self.nodes), x0[self.row_w])
-        free = self.phi_w @ x0
-        for _ in range(30):
-            v[:, 3] = load(omega)
-            new = free + self.psi_w @ v.ravel()
-            change = np.max(np.abs(new - omega[1:]))
-            omega[1:] = new
-            if change <= 4e-15 * max(1.0, abs(omega[0])):
+        x = np.tile(x0, (len(self.nodes), 1))
+        free = self.phi_n @ x0
+        for _ in range(40):
+            v = forcing(x)
+            new = free + self.psi_n @ v.ravel()
+            change = np.max(np.abs((new - x[1:]) @ self.watched.T))
+            x[1:] = new
+            if change <= 4e-15 * max(1.0, np.max(np.abs(x0))):
                 return v
-        raise RuntimeError("the load iteration does not converge; take a shorter piece")
+        raise RuntimeError("the forcing does not settle; take a shorter piece")
 
     def sample(self, x0, v):
         """States at `points`, shape (P, n)."""

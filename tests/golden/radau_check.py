@@ -27,6 +27,10 @@ class ScalarPlant:
         n = [self.p.force(i, x) * self.p.r_n[i] for i, x in enumerate((x1, x2))]
         return te, n, grade, self.p.dry_load(brake, grade)
 
+    def friction(self, i, mode, n, slip):
+        """T_c of clutch `i` where it slips; `n` is its capacity at mu = 1."""
+        return mode * self.p.kinetic(i, abs(slip)) * n if abs(mode) == 1 else 0.0
+
     def load(self, w, mode, u, t_o):
         """T_v; of wheels that are held, all that comes in."""
         if mode[2] == 2:
@@ -52,7 +56,7 @@ class ScalarPlant:
             for i, (th, c) in enumerate(((th_1, c1), (th_2, c2)))
         ]
         t_o = p.k_o * th_o + p.c_o * (o - w)
-        t_c = [mode[i] * p.mu_k[i] * n[i] if abs(mode[i]) == 1 else 0.0 for i in range(2)]
+        t_c = [self.friction(i, mode[i], n[i], d - (c1, c2)[i]) for i in range(2)]
         stuck = [i for i in range(2) if mode[i] == 2]
         reaction = {i: t_t[i] / p.i_t[i] for i in stuck}
         inertia = p.j_d + sum(p.j_c[i] for i in stuck)
@@ -110,8 +114,8 @@ class RigidScalarPlant(ScalarPlant):
         p, n = self.p, u[1]
         e, d, o, w, th_d, th_o = y
         t_d, t_o = p.k_d * th_d + p.c_d * (e - d), p.k_o * th_o + p.c_o * (o - w)
-        t_c = [mode[i] * p.mu_k[i] * n[i] if abs(mode[i]) == 1 else 0.0 for i in range(2)]
         g = p.ratio
+        t_c = [self.friction(i, mode[i], n[i], d - g[i] * o) for i in range(2)]
         if mode[0] == mode[1] == 2:  # both at rest: T_c1 + T_c2 = T_d, g1 T_c1 + g2 T_c2 = T_o
             t_c[0] = (t_o - g[1] * t_d) / (g[0] - g[1])
             t_c[1] = t_d - t_c[0]

@@ -55,6 +55,7 @@ class Params:
     g: float = 9.81
     v_eps: float = 0.05  # 0: rolling resistance is dry friction
     maps_mm: tuple = field(default=PAPER_MAPS_MM)
+    curves: tuple = (None, None)  # per clutch (|slip| [rad/s], factor on mu_k), or no table
 
     @property
     def ratio(self):
@@ -65,6 +66,11 @@ class Params:
         """Normal force of clutch `i` [N] at `position` [m], piecewise linear, constant outside."""
         stroke, force = self.maps_mm[i]
         return np.interp(np.asarray(position) * 1e3, stroke, force)
+
+    def kinetic(self, i, slip):
+        """Friction coefficient of clutch `i` slipping at |slip| [rad/s]."""
+        curve = self.curves[i]
+        return self.mu_k[i] * (1.0 if curve is None else np.interp(slip, *curve))
 
     def load_torque(self, omega_w, grade):
         """Smooth part of the load torque T_v [N·m], (11), positive against forward motion."""

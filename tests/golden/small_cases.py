@@ -69,6 +69,12 @@ BOTH = _scenario(
 LAUNCH = _scenario([(0, 20), (0.4, 70), (2, 70)], [(0, 0), (0.1, 2), (0.5, 6.4), (2, 6.4)])
 
 _LAUNCH = {"stop": 2.0, "engine_speed": 110.0, "scenario_file": "launch"}
+RISING = ((0.0, 5.0, 20.0, 60.0, 150.0), (0.9, 0.95, 1.0, 1.0, 0.8))  # wet, then it fades
+FALLING = ((0.0, 4.0, 15.0, 40.0, 160.0), (1.12, 1.0, 0.95, 0.97, 0.75))  # Stribeck, then it fades
+_FADE = {
+    **{"stop": 2.5, "engine_speed": 95.0, "scenario_file": "launch_both"},
+    "params": {"curves": (RISING, FALLING)},
+}
 SMALL_CASES = (
     Case("tie_up", TIE_UP, 2.4, 9.0, 0.15, about="both clutches close at low speed, stop, reopen"),
     Case("tie_up_rigid", TIE_UP, 2.4, 9.0, 0.15, rigid=True, about="tie-up of the rigid plant"),
@@ -96,6 +102,15 @@ SMALL_CASES = (
     Case("launch_h1", LAUNCH, **_LAUNCH, about="launch, held 1 ms"),
     Case("launch_h01", LAUNCH, **_LAUNCH, h=1e-4, about="launch, held 0.1 ms"),
     Case("launch_continuous", LAUNCH, **_LAUNCH, h=None, about="launch, knots as they are"),
+    Case("fade_h10", BOTH, **_FADE, h=1e-2, row_every=1e-2, about="friction over slip, held 10 ms"),
+    Case("fade_h1", BOTH, **_FADE, about="friction over slip, held 1 ms"),
+    Case("fade_h01", BOTH, **_FADE, h=1e-4, about="friction over slip, held 0.1 ms"),
+    Case("fade_rigid", BOTH, **_FADE, rigid=True, about="friction over slip, rigid plant"),
+    Case(
+        *("stribeck", BREAK_AWAY, 2.0, 240.0, 4.0),
+        **{"scenario_file": "break_away", "params": {"curves": (FALLING, None)}},
+        about="friction falls with slip: break-away and re-lock",
+    ),
     Case(
         *("last_step", BREAK_AWAY, 1.0004, 240.0, 4.0),
         **{"h": 3e-3, "row_every": 3e-3, "scenario_file": "break_away"},

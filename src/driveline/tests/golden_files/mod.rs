@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use dct_driveline::Params;
+use dct_driveline::friction::FrictionCurve;
 use dct_driveline::plant::ClutchState;
 use dct_driveline::plant_modes::Mode;
 
@@ -39,6 +40,7 @@ pub struct Case {
     pub v: f64,
     pub rigid: bool,
     v_eps: Option<f64>,
+    curves: [Option<FrictionCurve>; 2],
     pub turnover: f64,
     pub events: Vec<ClutchEvent>,
     pub scenario: Table,
@@ -124,6 +126,9 @@ impl Case {
         if let Some(v_eps) = self.v_eps {
             p.road.v_eps = v_eps;
         }
+        for (clutch, curve) in p.clutch.iter_mut().zip(self.curves) {
+            clutch.curve = curve.unwrap_or(clutch.curve);
+        }
         p
     }
 
@@ -140,6 +145,7 @@ impl Case {
             omega_e: number(&about, "engine.speed_start"),
             v: number(&about, "vehicle.speed_start"),
             rigid: about.contains("\"transmission.rigid\": true"),
+            curves: [1, 2].map(|clutch| curve(&about, clutch)),
             v_eps: about.contains(V_EPS).then(|| number(&about, V_EPS)),
             turnover: number(&text(&format!("{name}.energy.json")), "turnover"),
             events: events(&text(&format!("{name}.events.json"))),
@@ -194,6 +200,17 @@ fn field(json: &str, key: &str) -> String {
         .unwrap_or_else(|| panic!("no {key}"));
     let end = after.find([',', '}', '\n']).unwrap();
     after[..end].trim().trim_matches('"').to_string()
+}
+
+/// The friction curve of a clutch, where the case has one.
+fn curve(json: &str, clutch: usize) -> Option<FrictionCurve> {
+    let name = format!("clutch{clutch}.frictionCurve");
+    let values =
+        |what: &str| std::array::from_fn(|k| number(json, &format!("{name}.{what}[{}]", k + 1)));
+    json.contains(&name).then(|| FrictionCurve {
+        slip: values("slip"),
+        factor: values("factor"),
+    })
 }
 
 fn number(json: &str, key: &str) -> f64 {

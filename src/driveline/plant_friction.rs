@@ -1,0 +1,142 @@
+//! Friction that varies: a block of motion whose friction torques follow the slip.
+//!
+//! Over a block the friction torque of a slipping clutch is a ramp, like the load. The ramps are those
+//! that meet μ_k φ(|slip|) F_n r_c N and (11) at both ends of the block, found together by Newton's method
+//! on the exact motion of the rung: second order in the block, as slip and friction bend within it by
+//! the square of its length. A block that is long beside the time in which friction answers to slip is
+//! refused, and the ladder takes a shorter one.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::Params;
+use crate::integrate::Rung;
+use crate::plant::Plant;
+use crate::plant_block::Block;
+use crate::plant_matrices::{STATES, TORQUES, slip};
+use crate::plant_ports::{Input, InputRate};
+
+/// Newton steps on the ramps; between kinks of a curve each squares the error left.
+const ITERATIONS: u32 = 8;
+/// Change of slip or wheel speed [rad/s] below which the ramps are settled.
+const SETTLED: f64 = 1e-10;
+/// Largest share of its own cause by which friction answers to slip within a block [1]: half of λ h, with
+/// λ the rate at which slip and friction follow each other.
+const ANSWER: f64 = 0.25;
+/// First torque that may follow the slip, T_c1; T_c2 and T_v come next.
+const FIRST: usize = 1;
+
+impl Params {
+    /// Whether the friction of a slipping clutch is anything but μ_k.
+    pub(crate) const fn friction_varies(&self) -> bool {
+        self.clutch[0].curve.varies() || self.clutch[1].curve.varies()
+    }
+
+    /// These parameters; where friction varies, with a static friction that is not below the friction at
+    /// slip 0: a clutch that breaks away must not be held at once by more than what held it.
+    pub(crate) fn with_static_friction<'a>(&'a self, place: &'a mut Option<Self>) -> &'a Self {
+        if !self.friction_varies() {
+            return self;
+        }
+        let new = place.insert(*self);
+        for clutch in &mut new.clutch {
+            clutch.mu_s = clutch.mu_s.max(clutch.mu_k * clutch.curve.at(0.0).0);
+        }
+        new
+    }
+}
+
+impl Plant {
+    /// φ of both clutches at their slip [1], shape (2).
+    pub(crate) fn friction_factor(&self, p: &Params) -> [f64; 2] {
+        let slip = slip(&self.x);
+        [0, 1].map(|i| p.clutch[i].curve.at(slip[i].abs()).0)
+    }
+
+    /// Friction torque [N·m] of clutch `i` at a slip, and its slope by it [N·m·s/rad]; 0 unless it slips.
+    ///
+    /// `force`: normal force [N]. `slip`: slip [rad/s].
+    pub(crate) fn friction_at(&self, p: &Params, i: usize, force: f64, slip: f64) -> (f64, f64) {
+        let (direction, clutch) = (self.modes[i].direction(), &p.clutch[i]);
+        let (factor, slope) = clutch.curve.at(direction * slip);
+        let capacity = clutch.mu_k * force * clutch.r_c_n;
+        (
+            direction * capacity * factor,
+            direction * direction * capacity * slope,
+        )
+    }
+}
+
+/// The ramps of T_c1, T_c2 and T_v over a block, and what they do to slip 1, slip 2 and ω_w at its end.
+struct Ramps {
+    /// Torques at the start [N·m], shape (3).
+    torque: Vector3<f64>,
+    /// Ramps to begin with [N·m/s], shape (3).
+    first: Vector3<f64>,
+    /// What has to be added to them [N·m/s], shape (3).
+    added: Vector3<f64>,
+    /// Slip 1, slip 2, ω_w at the end without what is added [rad/s], shape (3).
+    speed: Vector3<f64>,
+    /// Their change by what is added [s²/(kg·m²)], shape (3, 3).
+    gain: Matrix3<f64>,
+}
+
+impl Ramps {
+    fn new(rung: &Rung, block: &Block) -> Self {
+        let at = |first: usize| Vector3::from([0, 1, 2].map(|q| block.z[first + FIRST + q]));
+        Self {
+            torque: at(STATES),
+            first: at(STATES + TORQUES),
+            added: Vector3::zeros(),
+            speed: block.motion.worked_speeds(&block.z).into(),
+            gain: Matrix3::from_columns(
+                &[0, 1, 2].map(|q| rung.worked_speeds_by_ramp(FIRST + q).into()),
+            ),
+        }
+    }
+
+    /// Finds what meets `wanted` at the end of a block of `t` [s]; false: the block is too long.
+    ///
+    /// `wanted`: torques [N·m] at slips and wheel speed, and their slopes [N·m·s/rad], each shape (3).
+    fn settle(&mut self, t: f64, wanted: impl Fn(&Vector3<f64>) -> [Vector3<f64>; 2]) -> bool {
+        for _ in 0..ITERATIONS {
+            let [torque, slope] = wanted(&(self.speed + self.gain * self.added));
+            let answer = Matrix3::from_diagonal(&slope) * self.gain / t;
+            let missing = (torque - self.torque) / t - self.first - self.added;
+            let Some(inverse) = (Matrix3::identity() - answer).try_inverse() else {
+                return false;
+            };
+            let change = inverse * missing;
+            self.added += change;
+            if (self.gain * change).amax() < SETTLED {
+                return answer[(0, 0)].abs().max(answer[(1, 1)].abs()) < ANSWER;
+            }
+        }
+        false
+    }
+}
+
+impl Block {
+    /// The block over a rung with friction that follows the slip; false: it is too long for that.
+    #[cold]
+    #[inline(never)] // other steps need not have stack for its matrices
+    pub(crate) fn with_varying_friction(
+        p: &Params,
+        plant: &Plant,
+        rung: &Rung,
+        input: &Input,
+        rate: &InputRate,
+    ) -> (Self, bool) {
+        let mut block = Self::begin(p, plant, rung, input, rate, plant.friction_factor(p));
+        let (end, grade, direction) = (block.input_end, block.grade_end, plant.brake.direction());
+        let mut ramps = Ramps::new(rung, &block);
+        let settled = ramps.settle(rung.t, |speed| {
+            let [one, two] = [0, 1].map(|i| plant.friction_at(p, i, end.force[i], speed[i]));
+            let load = end.load_torque(p, grade, speed[2], direction);
+            [[one.0, two.0, load.0].into(), [one.1, two.1, load.1].into()]
+        });
+        for (q, ramp) in ramps.added.iter().enumerate() {
+            block.add_ramp(rung, FIRST + q, *ramp);
+        }
+        (block, settled)
+    }
+}
