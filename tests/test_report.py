@@ -180,10 +180,55 @@ def test_keyboard_moves_and_zooms(visit: Visit) -> None:
     assert_shared(visit.page, 0.0, 30.0, 1e-9)
 
 
+def test_phases_in_sight_are_named_where_they_have_room(visit: Visit) -> None:
+    names = (
+        """() => [...document.querySelector(".plot")._fullLayout.annotations].map((a) => a.text)"""
+    )
+    assert {"launch", "upshift", "coast"} <= set(visit.page.evaluate(names))
+    visit.page.select_option("#zoom", label="upshift (8.5–11.5 s)")
+    await_range(visit.page, ZOOM[0], 1e-9)
+    assert visit.page.evaluate(names) == ["upshift"]
+    bands = """() => document.querySelector(".plot")._fullLayout.shapes.filter(
+      (s) => s.type === "rect" && s.yref === "paper").map((s) => [s.x0, s.x1])"""
+    assert [4.0, 8.5] not in visit.page.evaluate(bands)
+    assert list(ZOOM) in visit.page.evaluate(bands)
+
+
+@pytest.mark.parametrize("width", [420, 768, 1366, 1920])
+def test_the_page_has_no_sideways_scroll_at_any_width(
+    browser: Browser, full: Path, shots: Path, width: int
+) -> None:
+    page = browser.new_page(viewport={"width": width, "height": 768})
+    page.goto(full.as_uri())
+    page.wait_for_selector(DRAWN, timeout=PATIENCE)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.screenshot(path=shots / f"width-{width}.png")
+    page.close()
+
+
+def test_everything_can_be_reached_by_keyboard(visit: Visit) -> None:
+    """Tab goes to the skip link, then the links of the page, and opens what is folded."""
+    visit.page.keyboard.press("Tab")
+    assert visit.page.evaluate("document.activeElement.className") == "skip"
+    limits = visit.page.get_by_text("All 13 limits are kept")
+    limits.focus()
+    visit.page.keyboard.press("Enter")
+    assert visit.page.locator("table.limits").is_visible()
+    reach = visit.page.evaluate("""() => [...document.querySelectorAll(
+      "a[href], select, summary, .plot, .scroll")].every((e) => e.tabIndex >= 0)""")
+    assert reach
+
+
+def test_links_of_the_page_lead_somewhere(visit: Visit) -> None:
+    missing = visit.page.evaluate("""() => [...document.querySelectorAll("a[href^='#']")]
+      .map((a) => a.getAttribute("href")).filter((h) => !document.querySelector(h))""")
+    assert missing == []
+
+
 def test_tables_have_their_rows(visit: Visit) -> None:
     limits = visit.page.locator("table.limits tbody tr")
     assert limits.count() == 6 + 6 + 1
-    matrices = visit.page.locator("table.matrix")
+    matrices = visit.page.locator("#kpis table.matrix")
     assert matrices.count() == 4
     scopes = matrices.first.locator("tbody th").all_inner_texts()
     assert scopes[0] == "whole scenario"
@@ -198,11 +243,16 @@ def test_tables_have_their_rows(visit: Visit) -> None:
 
 
 def test_methods_side_by_side_draw(browser: Browser, shots: Path, tmp_path: Path) -> None:
-    run = write_run(tmp_path / "run", "methods_case1", "Methods", methods=True)
+    run = write_run(tmp_path / "run", "methods_case1", "Methods", methods=True, learning=True)
     visited = Visit(browser, report.write([run], tmp_path / "report", "Methods"))
     figures = visited.page.evaluate(LINES)
     assert all(f["drawn"] == f["wanted"] > 0 for f in figures), figures
-    assert {f["id"].partition("-")[0] for f in figures} >= {"torques", "errors", "friction"}
+    assert {f["id"].partition("-")[0] for f in figures} >= {
+        "torques",
+        "errors",
+        "friction",
+        "calibration",
+    }
     assert visited.page.locator("table.methods tbody tr").count() == 5
     assert "Fig. 10 of the paper" in visited.page.locator("figcaption").nth(1).inner_text()
     visited.page.locator("table.methods").scroll_into_view_if_needed()

@@ -17,7 +17,16 @@ import numpy as np
 import pytest
 from dct_harness import report, results, system
 from dct_harness.errors import ConfigError
-from dct_harness.report import benefit, cells, diagram, downsample, friction, methods, runs
+from dct_harness.report import (
+    benefit,
+    calibration,
+    cells,
+    diagram,
+    downsample,
+    friction,
+    methods,
+    runs,
+)
 from dct_harness.results import Results
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -96,6 +105,11 @@ def limits_of(name: str) -> list[dict[str, Any]]:
     return system.load(path).kpis if path.is_file() else []
 
 
+def inertia(value: float) -> dict[str, Any]:
+    """Return a moment of inertia as `run.json` records it."""
+    return {"value": value, "unit": "kg.m2"}
+
+
 def run_json(name: str, title: str, step: float, control: bool | None) -> dict[str, Any]:
     """Return what `dct-harness run` would record."""
     models = {"plant": "DctPlant", "observer": "DctObserver"}
@@ -113,8 +127,12 @@ def run_json(name: str, title: str, step: float, control: bool | None) -> dict[s
         wiring += [("scenario.clutch1.torqueRequest", "control"),
                    ("observer.clutch1.muF", "control"), ("control.clutch1.position", "plant"),
                    ("control.clutch1.position", "observer")]  # fmt: skip
-    told = {"observer": {"observer.method": {"value": 1, "unit": "", "item": "paper"}},
-            "nonAdaptive": {"adaptation.enabled": {"value": False, "unit": ""}}}  # fmt: skip
+    told = {
+        "plant": {"engine.inertia": inertia(0.78), "damper.inertia": inertia(0.02)},
+        "observer": {"observer.method": {"value": 1, "unit": "", "item": "paper"},
+                     "engine.inertia": inertia(0.98), "damper.inertia": inertia(0.02)},
+        "nonAdaptive": {"adaptation.enabled": {"value": False, "unit": ""}},
+    }  # fmt: skip
     return {
         "parameters": told,
         "system": {"name": name, "title": title, "step": step, "stop": 30.0,
@@ -132,7 +150,9 @@ def run_json(name: str, title: str, step: float, control: bool | None) -> dict[s
 
 
 def write_run(out: Path, name: str, title: str, step: float = 0.01, **options: Any) -> Path:
-    """Write a synthetic run; options: `control` (feedback), `drop` (signals), `methods`."""
+    """Write a synthetic run; options `control` (feedback on or off), `drop` (signals), and which
+    signals to add: `methods`, `learning`.
+    """
     control = options.get("control")
     signals = golden(step)
     estimates(signals, NOMINAL.get(name, (0.4, 0.1)))
@@ -140,6 +160,8 @@ def write_run(out: Path, name: str, title: str, step: float = 0.01, **options: A
         tracked(signals, 0.05 if control else 0.4)
     if options.get("methods"):
         beside(signals)
+    if options.get("learning"):
+        learning(signals)
     signals["plant.energy.residual"] = 1e-4 * np.sin(signals["time"])
     kept = {n: v for n, v in signals.items() if not n.endswith(options.get("drop", ()))}
     run = run_json(name, title, step, control)
@@ -197,13 +219,39 @@ def test_true_friction_coefficient_is_recovered() -> None:
 def test_arrow_against_the_stepping_order_is_one_step_late() -> None:
     drawn = diagram.layout(run_json("x", "x", 0.001, True))
     delays = {e["signals"][0]["from"].partition(".")[0] + ">"
-              + e["signals"][0]["to"].partition(".")[0]: e["delay"]
+              + e["signals"][0]["to"].partition(".")[0]: e["signals"][0]["delay"]
               for e in drawn["edges"]}  # fmt: skip
     late = {name for name, delay in delays.items() if delay != "none"}
     assert late == {"control>plant", "control>observer"}
     assert delays["control>plant"] == "one step (1 ms)"
+    assert sum(e["delayed"] for e in drawn["edges"]) == 2
     units = {s["from"]: s["unit"] for e in drawn["edges"] for s in e["signals"]}
     assert units["observer.clutch1.muF"] == "N/m"
+
+
+def test_the_diagram_shows_what_the_run_recorded_of_its_coupling() -> None:
+    run = run_json("x", "x", 0.001, True)
+    loop = ["control.clutch1.position", "observer.clutch1.muF"]
+    late = {"from": "plant.engine.speed", "to": "observer.engine.speed"}
+    run["coupling"] = {"order": "jacobi", "loops": [loop], "delayed": [late]}
+    drawn = diagram.layout(run)
+    assert (drawn["order"], drawn["loops"]) == ("jacobi", [loop])
+    found = [s for e in drawn["edges"] for s in e["signals"] if s["delay"] != "none"]
+    assert [{"from": s["from"], "to": s["to"]} for s in found] == [late]
+
+
+def test_components_that_are_alike_share_a_box() -> None:
+    run = run_json("x", "x", 0.001, None)
+    for name in ("kalman", "energy"):
+        run["system"]["components"][name] = {"fmu": "DctObserver.fmu", "parameters": {}}
+        run["fmus"][name] = {**run["fmus"]["observer"], "sha256": "1" * 64}
+        run["wiring"] += [{"from": w["from"], "to": w["to"].replace("observer.", f"{name}.")}
+                          for w in run["wiring"] if w["to"].startswith("observer.")]  # fmt: skip
+    run["fmus"]["observer"]["sha256"] = "1" * 64
+    boxes = [" ".join(box["names"]) for box in diagram.layout(run)["boxes"]]
+    assert boxes == ["scenario", "plant", "observer, kalman, energy"]
+    assert all(e["signals"][0]["to"].startswith(("plant.", "observer."))
+               for e in diagram.layout(run)["edges"])  # fmt: skip
 
 
 def test_runs_with_and_without_feedback_are_paired(tmp_path: Path) -> None:
@@ -282,6 +330,38 @@ def test_a_pair_of_runs_says_what_the_estimates_buy(tmp_path: Path) -> None:
     assert float(tracking["ratio"]) == pytest.approx(found["value"], rel=0.05)
     assert tracking["worse"] is (found["value"] > 1)
     assert ("friction energy", "clutch 1") in rows
+    table = benefit.overview([pair, pair])
+    assert [h["title"] for h in table["heads"]] == ["Torque tracking, friction case 1"] * 2
+    line = next(x for x in table["lines"] if x["title"] == tracking["title"]
+                and x["of"] == "both clutches")  # fmt: skip
+    assert line["cells"] == [tracking, tracking]
+
+
+def learning(signals: dict[str, np.ndarray]) -> None:
+    """Add an inertia error that is learnt in 2 s, and an anchor, whose deviation is 0."""
+    fading = np.exp(-signals["time"] / 2)
+    signals["observer.calibration.inertiaError"] = -0.2 * (1 - fading)
+    signals["observer.calibration.inertiaErrorDeviation"] = 0.3 * fading + 0.004
+    signals["observer.calibration.dampingError"] = 0 * fading
+    signals["observer.calibration.dampingErrorDeviation"] = 0 * fading
+
+
+def test_what_is_learnt_is_drawn_with_its_band_and_what_there_is_to_learn(tmp_path: Path) -> None:
+    (view,) = runs.load([write_run(tmp_path / "run", "x", "A", learning=True)])
+    (figure,) = calibration.drawn(view)
+    (panel,) = figure["panels"]
+    assert panel["title"] == "δ [%]"
+    assert panel["heading"] == (
+        "engine-side inertia δ: -20.00 ± 0.40 % at the end, ± 30 at first"
+    )  # fmt: skip
+    assert [t["role"] for t in panel["traces"]] == ["band", "band", "truth", "observer"]
+    assert calibration.injected(view, "observer", "inertiaError") == pytest.approx(-0.2)
+    assert calibration.injected(view, "observer", "torqueScale") is None
+
+
+@pytest.mark.parametrize(("deviation", "places"), [(0.4, 2), (12.0, 0), (0.016, 3), (0.0, 0)])
+def test_two_digits_of_a_deviation_are_shown(deviation: float, places: int) -> None:
+    assert calibration.decimals(deviation) == places
 
 
 def test_methods_stand_side_by_side(tmp_path: Path) -> None:

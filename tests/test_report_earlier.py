@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 import shutil
 from pathlib import Path
@@ -26,7 +27,8 @@ def pair(tmp_path: Path) -> tuple[Path, Path]:
     shutil.copytree(now, before)
     loaded = results.load(before)
     loaded.signals["observer.clutch1.torque"] *= FACTOR
-    told = {**loaded.run["parameters"], "plant": {"mass": {"value": 1.0, "unit": "kg"}}}
+    told = copy.deepcopy(loaded.run["parameters"])
+    told["plant"]["mass"] = {"value": 1.0, "unit": "kg"}
     run = {**loaded.run, "parameters": told}
     results.write(before, list(loaded.signals), np.column_stack(list(loaded.signals.values())), run)
     return now, before

@@ -6,9 +6,10 @@ use std::path::Path;
 use std::process::Command;
 
 /// Result directory under `target/demo`, system file, feedback of the control.
-const RUNS: [(&str, &str, Option<bool>); 10] = [
+const RUNS: [(&str, &str, Option<bool>); 11] = [
     ("methods_case1", "methods_case1", None),
     ("methods_case2", "methods_case2", None),
+    ("calibration_case1", "calibration_case1", None),
     ("torque_tracking_case1", "torque_tracking_case1", Some(true)),
     (
         "torque_tracking_case1_no_feedback",
@@ -34,6 +35,8 @@ const RUNS: [(&str, &str, Option<bool>); 10] = [
         Some(false),
     ),
 ];
+
+const TITLE: &str = "Dual-clutch driveline: observer and closed loop";
 
 /// The steps of `cargo xtask demo`.
 pub fn steps(project: &Project, open: bool) -> Vec<Step> {
@@ -63,7 +66,8 @@ fn run(project: &Project, name: &str, system: &str, feedback: Option<bool>) -> C
 }
 
 fn report(project: &Project, open: bool) -> Result<(), Failure> {
-    let mut command = project.venv("dct-harness", &["report", "--out", "target/report"]);
+    let words = ["report", "--title", TITLE, "--out", "target/report"];
+    let mut command = project.venv("dct-harness", &words);
     command.args(RUNS.map(|(name, ..)| format!("target/demo/{name}")));
     execute(command)?;
     let page = Path::new("target/report/index.html");

@@ -15,7 +15,18 @@ from plotly.offline import get_plotlyjs
 
 from .. import __version__, results
 from ..kpi import KPIS
-from . import benefit, cells, diagram, downsample, earlier, figures, methods, runs, shaft_model
+from . import (
+    benefit,
+    calibration,
+    cells,
+    diagram,
+    downsample,
+    earlier,
+    figures,
+    methods,
+    runs,
+    shaft_model,
+)
 from .picture import picture
 from .runs import View
 
@@ -88,13 +99,14 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
     shown = next(filter(None, map(shaft_model.section, views)), None)
     drawn += [shown["figure"]] if shown else []
     drawn += [c["figure"] for c in compared if c["figure"]] + ([energy] if energy else [])
-    largest = max(views, key=lambda v: len(v.run.get("system", {}).get("components", {})))
+    largest = max(views, key=lambda v: diagram.size(v.run))
     return {
         "title": title, "views": views, "verdict": verdict, "sections": sections,
-        "compared": compared, "shaft": shown, "energy": energy, "figures": drawn, "cells": cells,
+        "compared": compared, "bought": benefit.overview(pairs), "shaft": shown,
+        "energy": energy, "figures": drawn, "cells": cells,
         "limits": cells.limit_rows(judged), "tags": runs.tags(views, pairs),
         "diagram": diagram.layout(largest.run), "diagram_of": largest,
-        "phases": _phases(views), "kpis": KPIS,
+        "phases": _phases(views), "tracked": any(map(cells.tracking, views)), "kpis": KPIS,
         "parameters": cells.parameters(views), "effective": cells.effective(views),
         "identities": cells.identities(views),
         "earlier": [found for view in views if (found := earlier.changes(view))],
@@ -103,8 +115,8 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
 
 
 def _compared(pair: runs.Pair) -> dict[str, Any]:
-    """Return a pair with its figure and what the estimates buy."""
-    return {"pair": pair, "figure": figures.of_pair(pair), "benefit": benefit.rows(pair)}
+    """Return a pair with its figure."""
+    return {"pair": pair, "figure": figures.of_pair(pair)}
 
 
 def _phases(views: list[View]) -> list[dict[str, Any]]:
@@ -118,6 +130,7 @@ def _section(view: View, earlier: list[View]) -> dict[str, Any]:
     makers = (figures.track,) if methods.several(view) else SINGLE
     made = methods.drawn(view) if methods.several(view) else []
     made += [figure for make in makers if (figure := make(view)) is not None]
+    made += calibration.drawn(view)
     if twin is None and (first := figures.driveline(view)) is not None:
         made.insert(0, first)
     side = methods.table(view) if methods.several(view) else None

@@ -91,22 +91,29 @@ def limit_rows(judged: list[tuple[View, Json]]) -> list[Json]:
 
 
 def headline(view: View) -> list[Json]:
-    """Return per torque the observer's and the map's error in % of RMS and their ratio."""
+    """Return per torque the observer's and the map's error and their ratio, as texts."""
     rows = [r for r in view.kpis["rows"] if r["scope"] == "scenario"]
     values = {(r["signal"], r["kpi"], r["estimate"]): r for r in rows}
-    found = []
-    for torque, symbol in TORQUES.items():
-        percent, ratio = registry.PERCENT.key, registry.RATIO.key
-        own = values.get((torque, percent, "observer"))
-        if own is None:
-            continue
-        by_map, better = values.get((torque, percent, "mapBased")), values.get((torque, ratio, ""))
-        found.append({
-            "symbol": HTML_SYMBOL[symbol], "observer": shown(own),
-            "map": shown(by_map) if by_map else None,
-            "ratio": number(better["value"], 2) if better and better["value"] else None,
-        })  # fmt: skip
-    return found
+    percent, ratio = registry.PERCENT.key, registry.RATIO.key
+    return [
+        {"observer": _told(values.get((torque, percent, "observer")), " %"),
+         "map": _told(values.get((torque, percent, "mapBased")), " %"),
+         "ratio": _told(values.get((torque, ratio, "")), " ×", 2)}
+        for torque in TORQUES
+    ]  # fmt: skip
+
+
+def _told(row: Json | None, unit: str, digits: int | None = None) -> str:
+    if row is None or row["value"] is None:
+        return UNDEFINED
+    return (shown(row) if digits is None else number(row["value"], digits)) + unit
+
+
+def tracking(view: View) -> str | None:
+    """Return the tracking error of both clutches while slipping [N·m]; None without requests."""
+    row = next((r for r in view.kpis["rows"] if r["kpi"] == registry.TRACKING.key
+                and (r["signal"], r["scope"]) == ("clutches", "scenario")), None)  # fmt: skip
+    return None if row is None else shown(row)
 
 
 def parameters(views: list[View]) -> list[Json]:

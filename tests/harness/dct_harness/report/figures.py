@@ -72,12 +72,12 @@ def panelled(key: str, view: View, panels: list[Json], caption: str, aria: str) 
     weight = sum(p.get("weight", 1.0) for p in panels)
     return {
         "id": f"{key}-{view.slug}", "panels": panels, "phases": phases, "caption": caption,
-        "range": _reach([view]), "aria": aria, "columns": 1,
+        "range": reach([view]), "aria": aria, "columns": 1,
         "height": round(PANEL_HEIGHT * weight + 110),
     }  # fmt: skip
 
 
-def _reach(views: list[View]) -> list[float]:
+def reach(views: list[View]) -> list[float]:
     """Return the first and last time [s] of runs shown together."""
     times = [view.results.time for view in views]
     return [float(min(t[0] for t in times)), float(max(t[-1] for t in times))]
@@ -226,7 +226,7 @@ def energy(views: list[View]) -> Json | None:
     return {
         "id": "energy", "panels": panels, "phases": [], "columns": columns, "legend": False,
         "caption": "Energy balance of the plant", "aria": "Energy residual of each run",
-        "range": _reach(own), "height": 170 * rows + 70,
+        "range": reach(own), "height": 170 * rows + 70,
     }  # fmt: skip
 
 

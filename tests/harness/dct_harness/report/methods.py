@@ -87,7 +87,9 @@ def _torques(view: View) -> Json | None:
         wanted += [(known[e] + torque, _role(view, e), label(view, e), 1.0)
                    for e in order if e in known]  # fmt: skip
         panels.append(_panel(view, title, torque, figures.signal_lines(view, *wanted)))
-    caption = "Torques: true, map-based, non-adaptive, and five methods"
+    frozen = any(e != MAP and not adapts(view, e) for e in known)
+    kept = "map-based, non-adaptive" if frozen else "map-based"
+    caption = f"Torques: true, {kept} and five methods"
     return figures.panelled("torques", view, panels, _counted(view, caption), _of(view, caption))
 
 

@@ -51,9 +51,14 @@ class View:
     @property
     def title(self) -> str:
         """Title of the system, with the feedback where there is a control."""
-        base = self.run.get("system", {}).get("title", self.name)
         words = {True: ", with feedback", False: ", without feedback", None: ""}
-        return base + words[self.feedback]
+        return self.base + words[self.feedback]
+
+    @property
+    def base(self) -> str:
+        """Title of the system."""
+        title: str = self.run.get("system", {}).get("title", self.name)
+        return title
 
     @property
     def paper_figures(self) -> tuple[str, str] | None:

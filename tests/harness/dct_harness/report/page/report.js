@@ -10,7 +10,7 @@
     method5: { width: 1.5 }, frozen: { width: 1.4, dash: "dot" }, closed: { width: 1.6 }, opened: { width: 1.5, dash: "dash" },
   };
   const BEFORE = { width: 1.3, dash: "dot" }; // a line of the run to compare with
-  const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40 };
+  const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40, letter: 6 };
   const CONFIG = {
     responsive: true, displaylogo: false, scrollZoom: false, doubleClick: false,
     modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "resetScale2d"],
@@ -60,6 +60,13 @@
         marker: { symbol: raw.to.map((s) => MARKS[s] ?? "diamond"), size: 8, color: colour("ink"),
           line: { width: 1.2, color: colour("paper") } } };
     }
+    if (raw.role === "band") {
+      const named = legend && raw.fill && !seen.has(raw.name);
+      if (raw.fill) seen.add(raw.name);
+      return { ...common, mode: "lines", type: "scatter", showlegend: named, hoverinfo: "skip",
+        legendgroup: raw.name, line: { width: 0.6, color: colour("observer") },
+        fill: raw.fill ? "tonexty" : "none", fillcolor: `${colour("observer")}2e` };
+    }
     const first = legend && !seen.has(raw.name);
     seen.add(raw.name);
     return { ...common, mode: "lines", type: "scatter", showlegend: first, legendgroup: raw.name,
@@ -77,16 +84,28 @@
     }));
   }
 
-  function phasesOf(spec) {
+  // Names above the panels; every other phase is shaded from its name down.
+  function phasesOf(spec, plotHeight) {
+    const bands = spec.phases.filter((_, k) => k % 2 === 0).map((p) => ({
+      type: "rect", layer: "below", xref: "x", yref: "paper", x0: p.start, x1: p.end,
+      y0: 0, y1: 1 + 17 / plotHeight, line: { width: 0 }, fillcolor: colour("phase"),
+    }));
     const lines = spec.phases.map((p) => ({
       type: "line", layer: "below", xref: "x", yref: "paper", x0: p.start, x1: p.start, y0: 0, y1: 1,
       line: { width: 1, dash: "dot", color: colour("quiet") },
     }));
-    const labels = spec.phases.map((p) => ({
-      text: p.name, xref: "x", yref: "paper", x: (p.start + p.end) / 2, y: 1, yanchor: "bottom",
+    return { bands, lines };
+  }
+
+  // Names of the phases in sight, where they have room.
+  function namesOf(spec) {
+    const [a, b] = range ?? spec.range;
+    const width = document.getElementById(spec.id).clientWidth - PIXELS.left - PIXELS.right;
+    const seen = spec.phases.map((p) => ({ text: p.name, x0: Math.max(a, p.start), x1: Math.min(b, p.end) }));
+    return seen.filter((p) => ((p.x1 - p.x0) / (b - a)) * width > PIXELS.letter * p.text.length).map((p) => ({
+      text: p.text, xref: "x", yref: "paper", x: (p.x0 + p.x1) / 2, y: 1, yanchor: "bottom",
       showarrow: false, font: { size: 11, color: colour("quiet") },
     }));
-    return { lines, labels };
   }
 
   function headingsOf(spec, places) {
@@ -124,15 +143,15 @@
     const seen = new Set();
     const legend = spec.legend !== false;
     const data = spec.panels.flatMap((p, k) => p.traces.map((t) => traceOf(t, k, seen, legend)));
-    const phases = phasesOf(spec);
     const plotHeight = spec.height - above(spec) - PIXELS.bottom;
+    const phases = phasesOf(spec, plotHeight);
     const layout = {
       ...axesOf(spec, places), height: spec.height, hovermode: "x unified", dragmode: "zoom",
       paper_bgcolor: colour("paper"), plot_bgcolor: colour("paper"),
       font: { color: colour("ink"), size: 12, family: getComputedStyle(document.body).fontFamily },
       margin: { l: PIXELS.left, r: PIXELS.right, t: above(spec), b: PIXELS.bottom },
-      shapes: [...spec.panels.flatMap(shadesOf), ...phases.lines],
-      annotations: [...phases.labels, ...headingsOf(spec, places)],
+      shapes: [...phases.bands, ...spec.panels.flatMap(shadesOf), ...phases.lines],
+      annotations: [...namesOf(spec), ...headingsOf(spec, places)],
       legend: { orientation: "h", x: 0, y: 1 + 20 / plotHeight, yanchor: "bottom",
         bgcolor: "rgba(0,0,0,0)" },
       hoverlabel: { bgcolor: colour("faint"), font: { color: colour("ink") } },
@@ -142,7 +161,8 @@
   }
 
   function view(spec) {
-    return { "xaxis.range": [...(range ?? spec.range)] };
+    const annotations = [...namesOf(spec), ...headingsOf(spec, place(spec))];
+    return { "xaxis.range": [...(range ?? spec.range)], annotations };
   }
 
   // Give every drawn figure the shared window; the one that started it has it already.
@@ -155,7 +175,8 @@
     try {
       for (const spec of specs) {
         const div = document.getElementById(spec.id);
-        if (div !== source && div.data) await Plotly.relayout(div, view(spec));
+        if (div === source) await Plotly.relayout(div, { annotations: view(spec).annotations });
+        else if (div.data) await Plotly.relayout(div, view(spec));
       }
     } finally {
       sharing = false;
