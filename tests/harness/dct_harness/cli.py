@@ -11,6 +11,7 @@ from . import (
     completion_verb,
     convert_verb,
     doctor_verb,
+    export_ssp_verb,
     identify_verb,
     map_verb,
     report_verb,
@@ -21,7 +22,7 @@ from .errors import HarnessError, InterruptedRunError
 from .suggesting import Parser
 
 VERBS = (run_verb, check_verb, map_verb, report_verb, compare_verb, convert_verb, identify_verb,
-         sweep_verb, doctor_verb, completion_verb)  # fmt: skip
+         sweep_verb, export_ssp_verb, doctor_verb, completion_verb)  # fmt: skip
 EXIT_CODES = """exit codes:
   0 pass, 1 KPI or regression fails, 2 usage or configuration, 3 FMU invalid,
   4 FMU failed at run time, 5 timeout, 6 no binary for this platform,

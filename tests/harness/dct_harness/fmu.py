@@ -7,7 +7,6 @@ import hashlib
 import os
 import shutil
 import time
-from collections.abc import Collection
 from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
@@ -18,22 +17,20 @@ from fmpy import fmi2
 
 from . import values as single
 from .archive import described, unpack
-from .coupling import feedthrough
 from .discard import finish
-from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, PlatformError, did_you_mean
+from .errors import FmuInvalidError, FmuRuntimeError, PlatformError
 from .interpolation import continuous, followed
 from .loader import explain
-from .units import Unit, declared
+from .ports import GROUPS, Ports
 from .values import group_of
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 DISCARD = 2
 LAST_TIME = 2  # fmi2LastSuccessfulTime
-GROUPS = ("Real", "Integer", "Boolean")
 LAST_MESSAGES = 5
 
 
-class Fmu:
+class Fmu(Ports):
     """A loaded instance; `close` frees everything and may be called at any point."""
 
     def __init__(self, name: str, path: Path) -> None:
@@ -55,13 +52,10 @@ class Fmu:
             raise
 
     def _open(self) -> None:
-        self.description = described(self.path)
+        self.describe(described(self.path))
         identifier = self.description.coSimulation.modelIdentifier
         if fmpy.platform not in fmpy.supported_platforms(self._directory):
             raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}")
-        self.variables = {v.name: v for v in self.description.modelVariables}
-        self.inputs = self._ordered("input")
-        self.outputs = self._ordered("output")
         self._slave = self._load(identifier)
 
     @property
@@ -83,25 +77,6 @@ class Fmu:
             raise FmuInvalidError(f"{self.path}: the library does not load: {why}") from error
         finally:
             os.chdir(here)
-
-    def _ordered(self, causality: str) -> list[Any]:
-        """Return variables of a causality, reals first, then integers, then booleans."""
-        found = [v for v in self.description.modelVariables if v.causality == causality]
-        return [v for group in GROUPS for v in found if group_of(v) == group]
-
-    def steer(self, names: Collection[str]) -> None:
-        """Take the tunable parameters among `names` as inputs: they change during the run."""
-        steered = [v for v in self.description.modelVariables if v.causality == "parameter"
-                   and v.variability == "tunable" and v.name in names]  # fmt: skip
-        self.inputs = sorted([*self.inputs, *steered], key=lambda v: GROUPS.index(group_of(v)))
-
-    def unit(self, name: str) -> Unit | None:
-        """Return the unit that the FMU declares for a variable; None if it is not known."""
-        return declared(self.description, self.variables[name])[1]
-
-    def feedthrough(self, initial: bool = False) -> dict[str, set[str]]:
-        """Return output -> inputs that it depends on at the same instant, or initially."""
-        return feedthrough(self.description, initial)
 
     def identity(self) -> dict[str, str]:
         """Return what `run.json` records of the FMU."""
@@ -135,12 +110,8 @@ class Fmu:
         return found
 
     def _set_start(self, name: str, value: Any) -> None:
-        if name not in self.variables:
-            hint = did_you_mean(name, self.variables)
-            what = f"component '{self.name}': {self.path} has no '{name}'.{hint}"
-            raise ConfigError(what, name)
+        value = self.check_start(name, value)
         variable = self.variables[name]
-        value = single.start_value(self.name, variable, value)
         setter = getattr(self._slave, f"set{group_of(variable)}")
         reference = [variable.valueReference]
         self._call(f"fmi2Set{group_of(variable)} ({name})", lambda: setter(reference, [value]))

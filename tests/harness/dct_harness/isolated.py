@@ -17,9 +17,10 @@ import numpy as np
 
 from .archive import described
 from .errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError
-from .fmu import DISCARD, GROUPS, STATUS, Fmu
+from .fmu import DISCARD, STATUS, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
 from .loader import explain
+from .ports import GROUPS
 from .remote import Remote
 from .values import group_of
 

@@ -90,9 +90,10 @@ class Mapped:
 
     def initialize(self, stop: float, values: dict[str, Any]) -> None:
         """As `Fmu.initialize`, with names of ours (SI) or of the supplier (its units)."""
-        self._fmu.initialize(stop, dict(self._start(n, v) for n, v in values.items()))
+        self._fmu.initialize(stop, dict(self.their_value(n, v) for n, v in values.items()))
 
-    def _start(self, name: str, value: Any) -> tuple[str, Any]:
+    def their_value(self, name: str, value: Any) -> tuple[str, Any]:
+        """Return name and value of the supplier for one of ours (SI), or for its own."""
         links = {**{k.ours.name: k for k in self._in}, **self._set}
         if name in links:
             return links[name].theirs.name, _typed(links[name], value)
@@ -114,6 +115,28 @@ class Mapped:
             elif given is not None or link.theirs.start is not None:
                 found[name] = link.to_ours(float(link.theirs.start if given is None else given))
         return found
+
+    @property
+    def into(self) -> list[Link]:
+        """Links of the inputs."""
+        return self._in
+
+    def link_of_output(self, name: str) -> tuple[Link, float]:
+        """Return the link of one of our outputs, and by what its value is multiplied besides.
+
+        Raises
+        ------
+        ConfigError
+            The output is a sum of several.
+        """
+        terms = next((e.terms for e in self._derived if e.name == name), ((name, 1.0),))
+        if len(terms) > 1:
+            raise ConfigError(
+                f"{self._mapping.path}: outputs.{name}: a difference of two outputs has no "
+                "counterpart in SSP; let the FMU give it"
+            )
+        source, weight = terms[0]
+        return next(k for k in self._out if k.ours.name == source), weight
 
     def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Attach our buffers, as `Fmu.bind`."""
@@ -205,6 +228,13 @@ class _Sum:
 
     def __call__(self, outputs: np.ndarray) -> None:
         outputs[self._to] = sum(weight * outputs[k] for k, weight in self._terms)
+
+
+def their_value(component: Any, name: str, value: Any) -> tuple[str, Any]:
+    """Return name and value as the FMU of a component has them."""
+    if isinstance(component, Mapped):
+        return component.their_value(name, value)
+    return name, value
 
 
 def _typed(link: Link, value: Any) -> Any:

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import check_step, formats, junit, kpi, mapping, progress, results, ssp, system, watch
+from . import check_step, formats, junit, kpi, progress, results, selection, watch
 from .arguments import Verbs, add_limits, amount, limits, seconds, verb
 from .environment import environment
-from .errors import ConfigError, HarnessError
+from .errors import HarnessError
 from .master import Run
 
 KPI_FAILS = 1
@@ -27,16 +27,7 @@ run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES)
-    parser.add_argument("system", type=Path, help="system file (.toml or .ssp)")
-    parser.add_argument("--step", type=seconds, metavar="SECONDS", help="communication step")
-    along = "inputs with slopes, where the FMU can interpolate"
-    parser.add_argument("--interpolate", action="store_true", help=along)
-    parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of the run")
-    parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
-    parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
-    parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
-    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
-    parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
+    selection.add_options(parser)
     parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
     parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
     finer = "repeat at half the step; exit 1 when an output changes by more"
@@ -89,46 +80,10 @@ def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
 def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     """Return the run that the command line asks for, and its result directory."""
     formats.require(Path(f"results.{args.format}"))
-    model, paths, package = _model(args)
-    if args.plant:
-        if "plant" not in paths:
-            raise ConfigError(f"--plant: {args.system} has no component 'plant'")
-        paths["plant"] = args.plant
-    model.interpolate |= args.interpolate
-    names = _mapping(args, model)
-    for text in args.set:
-        model.override(text)
+    model, paths, names, package = selection.choose(args)
     loop = Run(model, paths, names, limits(args))
     loop.package = package
     return loop, args.out or Path("target/results") / model.name
-
-
-def _model(args: argparse.Namespace) -> tuple[system.System, dict[str, Path], ssp.Package | None]:
-    """Return the system, where its FMUs are, and the opened .ssp that holds them."""
-    if args.system.suffix.lower() == ".ssp":
-        package = ssp.Package(args.system)
-        model = package.system(args.scenario, args.step, args.stop)
-        free = package.release(model)
-        if free and not (args.quiet or args.json):
-            print(
-                f"the scenario has no column for {', '.join(free)}: start values", file=sys.stderr
-            )
-        return model, dict(package.paths), package
-    model = system.load(args.system)
-    model.scenario = args.scenario or model.scenario
-    model.step, model.stop = args.step or model.step, args.stop or model.stop
-    return model, {n: args.fmu_dir / c.fmu for n, c in model.components.items()}, None
-
-
-def _mapping(args: argparse.Namespace, model: system.System) -> mapping.Mapping | None:
-    """Return the mapping of the command line, its values put into the system."""
-    if args.map is None:
-        return None
-    if "plant" not in model.components:
-        raise ConfigError(f"--map: {args.system} has no component 'plant'")
-    names = mapping.load(args.map)
-    names.apply(model)
-    return names
 
 
 def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | None:

@@ -40,15 +40,16 @@ class Package:
         self._descriptions: dict[str, Any] = {}
 
     def _xml(self, name: str) -> ElementTree.Element:
-        file = (Path(self.folder.name) / name).resolve()
-        if not file.is_relative_to(Path(self.folder.name).resolve()) or not file.is_file():
-            raise ConfigError(f"{self.path}: has no '{name}'")
-        text = file.read_bytes()
+        text = self._member(name).read_bytes()
         refuse_doctype(self.path, text, name)
         return ElementTree.fromstring(text)
 
     def system(self, scenario: Path | None, step: float | None, stop: float | None) -> System:
-        """Return the system; a stop time comes from the command line or the DefaultExperiment."""
+        """Return the system.
+
+        A stop time comes from the command line or the DefaultExperiment; scenario, step and the
+        like from the command line or the annotation that `export-ssp` writes.
+        """
         experiment = _one(self._root, "DefaultExperiment")
         told = experiment.get("stopTime") if experiment is not None else None
         if stop is None and told is None:
@@ -56,13 +57,38 @@ class Package:
         components = {c.get("name", ""): self._component(c) for c in self._components()}
         connections, transforms = self._connections()
         self._bind(self._system, "", components)
+        notes = self._notes()
+        scenario = scenario or self._scenario(notes)
         if scenario is None and any(s.startswith("scenario.") for s in connections.values()):
             raise ConfigError(f"{self.path}: has inputs of its own; give --scenario FILE.csv")
+        for one in (e for e in notes if _tag(e) == "Substeps"):
+            components[one.get("component", "")].substeps = int(one.get("count", 1))
         name = self._system.get("name") or self.path.stem
         return System(
-            name, name, step or STEP, stop if stop is not None else float(told), scenario,
-            components, connections, self.path, explicit=True, transforms=transforms,
+            name, notes.get("title", name), step or float(notes.get("step", STEP)),
+            stop if stop is not None else float(told), scenario, components, connections,
+            self.path, [_limit(e) for e in notes if _tag(e) == "Limit"],
+            notes.get("coupling", "gauss-seidel"), notes.get("interpolate") == "true",
+            explicit=True, transforms=transforms,
         )  # fmt: skip
+
+    def _notes(self) -> ElementTree.Element:
+        """Return what `export-ssp` has noted; an empty element if nothing."""
+        for note in _all(self._root, "Annotations", "Annotation"):
+            if note.get("type") == "dct-harness" and len(note):
+                return note[0]
+        return ElementTree.Element("Run")
+
+    def _scenario(self, notes: ElementTree.Element) -> Path | None:
+        name = notes.get("scenario")
+        return None if name is None else self._member(name)
+
+    def _member(self, name: str) -> Path:
+        """Return a file of the archive."""
+        file = (Path(self.folder.name) / name).resolve()
+        if not file.is_relative_to(Path(self.folder.name).resolve()) or not file.is_file():
+            raise ConfigError(f"{self.path}: has no '{name}'")
+        return file
 
     @staticmethod
     def release(system: System) -> list[str]:
@@ -219,6 +245,11 @@ class Package:
             a, b = units.conversion(unit, theirs)
             value = a * value + b
         return KINDS[group_of(variable)](change.factor * value + change.offset)
+
+
+def _limit(element: ElementTree.Element) -> dict[str, Any]:
+    """Return a limit of a KPI, as a system file has it."""
+    return {k: float(v) if k in ("min", "max") else v for k, v in element.attrib.items()}
 
 
 def _unit(element: ElementTree.Element) -> units.Unit:

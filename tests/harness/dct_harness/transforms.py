@@ -20,7 +20,33 @@ class Transform:
 
     def after(self, a: float, b: float) -> Transform:
         """Return the transform of a * source + b."""
+        if (a, b) == (1.0, 0.0):
+            return self
         return Transform(self.factor * a, self.factor * b + self.offset, self.table)
+
+    def then(self, other: Transform) -> Transform:
+        """Return this transform followed by another one.
+
+        Raises
+        ------
+        ValueError
+            A table has no rows for values that a line gives.
+        """
+        if self.table:
+            return Transform(table={k: other.at(v) for k, v in self.table.items()})
+        if not other.table:
+            return other.after(self.factor, self.offset)
+        if self.changes:
+            raise ValueError("a table cannot follow a factor or an offset")
+        return other
+
+    def at(self, value: float) -> float:
+        """Return the target's value for one of the source's."""
+        if not self.table:
+            return self.factor * value + self.offset
+        if value not in self.table:
+            raise ValueError(f"{value:g} is in no row of a table")
+        return self.table[value]
 
     @property
     def changes(self) -> bool:

@@ -1,0 +1,35 @@
+"""`dct-harness export-ssp`: a system with everything it needs as one SSP 1.0 file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from . import selection
+from .arguments import Verbs, verb
+from .ssp_export import Export
+
+EXAMPLES = """export-ssp examples/closed_loop/paper_case1.toml --out target/paper_case1.ssp
+export-ssp loop.toml --plant Antrieb.fmu --map antrieb.toml
+run target/paper_case1.ssp"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    text = "write a system, its FMUs, values and scenario as one .ssp"
+    parser = verb(verbs, "export-ssp", export, text, EXAMPLES)
+    selection.add_options(parser)
+    parser.add_argument("--out", type=Path, help="file to write (target/NAME.ssp)")
+
+
+def export(args: argparse.Namespace) -> int:
+    """Write the file and say where it is."""
+    model, paths, names, package = selection.choose(args)
+    try:
+        out = args.out or Path("target") / f"{model.name}.ssp"
+        Export(model, paths, names).write(out)
+    finally:
+        if package is not None:
+            package.folder.cleanup()
+    print(f"{out}: {len(paths)} components, runs with `dct-harness run {out}`")
+    return 0

@@ -1,0 +1,64 @@
+"""What an FMU shows, from its description: variables, inputs and outputs in the order of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from .archive import described
+from .coupling import feedthrough
+from .errors import ConfigError, did_you_mean
+from .units import Unit, declared
+from .values import group_of, start_value
+
+GROUPS = ("Real", "Integer", "Boolean")
+
+
+class Ports:
+    """The variables of one component; its library is not loaded."""
+
+    def __init__(self, name: str, path: Path) -> None:
+        self.name, self.path = name, path
+        self.now = 0.0
+        self.describe(described(path))
+
+    def describe(self, description: Any) -> None:
+        """Take variables, inputs and outputs of a description."""
+        self.description = description
+        self.variables: dict[str, Any] = {v.name: v for v in description.modelVariables}
+        self.inputs = self._ordered("input")
+        self.outputs = self._ordered("output")
+
+    def _ordered(self, causality: str) -> list[Any]:
+        """Return variables of a causality, reals first, then integers, then booleans."""
+        found = [v for v in self.description.modelVariables if v.causality == causality]
+        return [v for group in GROUPS for v in found if group_of(v) == group]
+
+    def steer(self, names: Collection[str]) -> None:
+        """Take the tunable parameters among `names` as inputs: they change during the run."""
+        steered = [v for v in self.description.modelVariables if v.causality == "parameter"
+                   and v.variability == "tunable" and v.name in names]  # fmt: skip
+        self.inputs = sorted([*self.inputs, *steered], key=lambda v: GROUPS.index(group_of(v)))
+
+    def unit(self, name: str) -> Unit | None:
+        """Return the unit that the FMU declares for a variable; None if it is not known."""
+        return declared(self.description, self.variables[name])[1]
+
+    def feedthrough(self, initial: bool = False) -> dict[str, set[str]]:
+        """Return output -> inputs that it depends on at the same instant, or initially."""
+        return feedthrough(self.description, initial)
+
+    def check_start(self, name: str, value: Any) -> Any:
+        """Return a parameter or start value as the FMU takes it.
+
+        Raises
+        ------
+        ConfigError
+            There is no such variable, or the value does not fit.
+        """
+        if name not in self.variables:
+            hint = did_you_mean(name, self.variables)
+            what = f"component '{self.name}': {self.path} has no '{name}'.{hint}"
+            raise ConfigError(what, name)
+        return start_value(self.name, self.variables[name], value)
