@@ -49,8 +49,18 @@ def test_settling_of_an_exponential_is_its_logarithm() -> None:
     assert value(settled(3.0), "estimation.settling") == found
 
 
-def test_an_estimate_that_does_not_settle_before_the_next_event_is_undefined() -> None:
-    found = settled(0.1, until=4.0)
+def test_an_estimate_may_settle_after_the_next_event_only() -> None:
+    """Both times end at the same moment, so the first one is the longer by their distance."""
+    found = settled(0.4, until=4.0)
+    times = [value(found, "estimation.settling", f"event/{name}")
+             for name in ("1 clutch1 slipping", "2 clutch1 engaged")]  # fmt: skip
+    assert times[0] == pytest.approx(math.log(20 / (100 * registry.SETTLED)) / 0.4, abs=STEP)
+    assert times[1] == pytest.approx(times[0] - 2.0, abs=STEP)
+    assert value(found, "estimation.settling") == times[0]
+
+
+def test_an_estimate_that_never_settles_is_undefined() -> None:
+    found = settled(0.1)
     assert value(found, "estimation.settling", "event/1 clutch1 slipping") is None
     assert value(found, "estimation.settling") is None
     spoken = kpi.table.shown({"kpi": "estimation.settling", "value": None})

@@ -31,7 +31,9 @@ class Line:
             return 1.0
         if self.right in (0, len(self.knots)):
             return self.factors[min(self.right, len(self.knots) - 1)] + 0.0 * slip
-        (s0, s1), (f0, f1) = (a[self.right - 1 : self.right + 1] for a in (self.knots, self.factors))
+        (s0, s1), (f0, f1) = (
+            a[self.right - 1 : self.right + 1] for a in (self.knots, self.factors)
+        )
         return f0 + (f1 - f0) / (s1 - s0) * (slip - s0)
 
     def bounds(self):

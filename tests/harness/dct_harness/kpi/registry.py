@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SETTLED = 0.05  # of the RMS of the torque: the band in which an estimate counts as settled
-DWELL = 0.1  # s; how long it must stay there; events closer together tell nothing
+DWELL = 0.1  # s; how long it must stay there
 LATENCY_LONGEST = 0.25  # s; a slower estimate is of no use to a shift of about 1 s
 LATENCY_VARIES = 0.02  # of the RMS of the torque; below it a delay leaves no trace
 JERK_CUTOFF = 10.0  # Hz, -3 dB of the Gaussian filter; above surge (2-8 Hz), below gear whine
@@ -63,8 +63,9 @@ LATENCY = Kpi(
 SETTLING = Kpi(
     "estimation.settling", "settling time of the estimate after an event", "s",
     f"from a change of a clutch state until |T̂ − T| first stays within {100 * SETTLED:g} % of the "
-    f"RMS of T for {DWELL:g} s; undefined if it does not before the next change; of the scenario: "
-    "the longest",
+    f"RMS of T for {DWELL:g} s, later changes included: in a handover only the sum of both clutch "
+    "torques shows, and an estimate may have to wait for its end; undefined if it does not settle "
+    "before the run ends; of the scenario: the longest",
     "settling time of control engineering, 5 % band", 3, 1e-4,
 )  # fmt: skip
 TRACKING = Kpi(

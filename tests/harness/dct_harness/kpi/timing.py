@@ -94,12 +94,12 @@ def _settling(
 ) -> Iterator[Row]:
     """Yield the settling time after each event, and the longest of them."""
     inside = np.abs(told.values - truth) <= registry.SETTLED * rms(truth)
-    ends = [*(k for k, _ in moments), len(time) - 1][1:]
     found: list[float | None] = []
-    for count, ((k, name), end) in enumerate(zip(moments, ends, strict=True), 1):
-        if time[end] - time[k] >= registry.DWELL:
-            found.append(settling(time[k:end], inside[k:end]))
-            yield Row(registry.SETTLING, told.torque, f"event/{count} {name}", found[-1], told.by)
+    for count, (k, name) in enumerate(moments, 1):
+        if time[-1] - time[k] >= registry.DWELL:
+            found.append(settling(time[k:], inside[k:]))
+            scope = f"event/{count} {name}"
+            yield Row(registry.SETTLING, told.torque, scope, found[-1], told.by)
     if found:
         known = [value for value in found if value is not None]
         longest = max(known) if len(known) == len(found) else None
@@ -110,7 +110,8 @@ def settling(time: np.ndarray, inside: np.ndarray) -> float | None:
     """Return the time [s] until `inside` first holds for the dwell time; None if it never does."""
     leaves = np.concatenate([np.flatnonzero(~inside), [len(time)]])
     starts = np.concatenate([[0], leaves[:-1] + 1])
-    for start, end in zip(starts, leaves, strict=True):
-        if end > start and time[end - 1] - time[start] >= registry.DWELL:
-            return float(time[start] - time[0])
-    return None
+    ends = np.maximum(leaves - 1, 0)
+    dwells = (leaves > starts) & (time[ends] - time[np.minimum(starts, ends)] >= registry.DWELL)
+    if not dwells.any():
+        return None
+    return float(time[starts[np.argmax(dwells)]] - time[0])
