@@ -177,7 +177,7 @@ mod tests {
         let (mut z, mut work, mut loss) = (start(), Torques::zeros(), 0.0);
         for _ in 0..count {
             let motion = rung.motion(&z);
-            work += motion.work(&z);
+            work += rung.work(&z, &motion);
             loss += rung.viscous_loss(&z);
             z = advanced(&motion.end(&z), &z, rung.t);
         }

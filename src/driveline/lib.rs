@@ -25,6 +25,7 @@ mod plant_tangent;
 mod presets;
 pub mod reduced;
 mod rung;
+mod rung_loss;
 mod shaft;
 
 pub use clutch::ForceMap;

@@ -167,7 +167,11 @@ impl Plant {
                 continue;
             }
             self.accept(&propagators.systems, rung, &block);
-            (now, cap, done) = (block.input_end, LADDER - if varies { 2 } else { 0 }, done + ticks(level));
+            (now, cap, done) = (
+                block.input_end,
+                LADDER - if varies { 2 } else { 0 },
+                done + ticks(level),
+            );
             if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
@@ -200,7 +204,7 @@ impl Plant {
             _ => v[1 + i],
         });
         let slip = self.slip();
-        let [t_d, mut t_t @ .., t_o]: [f64; 4] = (systems.spring_torque * x).into();
+        let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
             let omega_c_dot = system.derivative(x, &v)[C + i];
             t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
@@ -313,7 +317,7 @@ impl Plant {
 
     /// Moves to the end of a block and books its work.
     fn accept(&mut self, systems: &Systems, rung: &Rung, block: &Block) {
-        let work = block.motion.work(&block.z);
+        let work = rung.work(&block.z, &block.motion);
         self.work.engine += work[0];
         self.work.friction[0] += work[1];
         self.work.friction[1] += work[2];

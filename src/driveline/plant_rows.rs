@@ -2,7 +2,9 @@
 
 use nalgebra::{RowSVector, SMatrix};
 
-use crate::plant_matrices::{C, D, STATES, State, TORQUES, Torques, W};
+use crate::plant_matrices::{
+    C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
+};
 
 /// A quantity that is linear in state and torques.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +90,25 @@ impl Rows {
     }
 }
 
+impl Systems {
+    /// T_d, T_t1, T_t2, T_o of (3), (4), (5), (10) [N·m], shape (4); 0 in rigid transfer shafts.
+    ///
+    /// Also the rates of these torques, from the rate of the state.
+    pub fn spring_torques(&self, x: &State) -> [f64; 4] {
+        const PARTNERS: [[usize; 3]; 4] = [
+            [E, D, TWIST_D],
+            [C, O, TWIST_T],
+            [C + 1, O, TWIST_T + 1],
+            [O, W, TWIST_O],
+        ];
+        let torque = |j: usize| {
+            let entries = PARTNERS[j].map(|i| self.spring_torque[(j, i)] * x[i]);
+            entries[0] + entries[1] + entries[2]
+        };
+        [torque(0), torque(1), torque(2), torque(3)]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::Params;
@@ -112,6 +133,22 @@ mod tests {
                 let torque_rate = system.rows.torque_rate[i].of(&x, &v);
                 assert!((torque_rate - rate[i]).abs() <= 1e-9 * rate[i].abs());
             }
+        }
+    }
+
+    #[test]
+    fn spring_torques_are_what_their_rows_read() {
+        for (rigid, gear) in [(false, [1, 2]), (true, [1, 2]), (false, [0, 2])] {
+            let p = Params {
+                rigid,
+                ..Params::TABLE_1
+            };
+            let systems = Systems::new(&p, gear);
+            let x = State::from([
+                200.0, 198.0, 190.0, 150.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
+            ]);
+            let torques: [f64; 4] = (systems.spring_torque * x).into();
+            assert_eq!(systems.spring_torques(&x), torques);
         }
     }
 }

@@ -47,7 +47,7 @@ impl Plant {
         let t_c = [0, 1].map(|i| system.rows.torque[i].of(dx, &dv));
         let slips = [0, 1].map(|i| self.modes[i] != Mode::Stuck);
         let slip = [0, 1].map(|i| if slips[i] { dx[D] - dx[C + i] } else { 0.0 });
-        let [t_d, mut t_t @ .., t_o]: [f64; 4] = (systems.spring_torque * dx).into();
+        let [t_d, mut t_t @ .., t_o] = systems.spring_torques(dx);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
             let omega_c_dot = system.derivative(dx, &dv)[C + i];
             t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);

@@ -12,12 +12,16 @@
 //! Doubling a span uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
 //! r(2t) = r(t) + r(t) Ψ(t), but for the moments, which also gain t times the angles of the second
 //! half. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
+//!
+//! A finished rung keeps the rows that every step needs together, those of the slips, which only a
+//! slipping clutch needs, apart, and the losses packed: see `rung_loss.rs`.
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::plant_matrices::{
     AUGMENTED, C, D, E, SPEEDS, STATES, State, System, TORQUES, Torques, W,
 };
+use crate::rung_loss::Loss;
 
 /// Terms of the exponential series: with ‖A t‖ ≤ 0.05 the next one is 0.05^10 / 10! < 1e-19.
 const SERIES_TERMS: u32 = 9;
@@ -28,16 +32,20 @@ const MOMENT: usize = ANGLE + TORQUES;
 const ROWS: usize = MOMENT + TORQUES;
 /// First ramp among the columns.
 const RAMP: usize = STATES + TORQUES;
-/// Entries of the upper triangle of an (18, 18) matrix.
-const TRIANGLE: usize = AUGMENTED * (AUGMENTED + 1) / 2;
+/// Rows of every step: states, angles of ω_e and ω_w, moments of ω_w and ω_e.
+const MAIN: usize = STATES + 4;
+/// Those rows among all of them, behind the states.
+const WORKED: [usize; 4] = [ANGLE, ANGLE + 3, MOMENT + 3, MOMENT];
+/// The rows of slipping clutches: angles and moments of the slips.
+const SLIPS: [usize; 4] = [ANGLE + 1, ANGLE + 2, MOMENT + 1, MOMENT + 2];
 
 /// State, torques and their ramps, shape (18).
 pub type Augmented = SVector<f64, AUGMENTED>;
 type Columns<const N: usize> = [[f64; N]; AUGMENTED];
 
-/// Where a rung leads from z: change of the state, angles, moments.
+/// Where a rung leads from z: change of the state, angles and moments of ω_e and ω_w.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion([f64; ROWS]);
+pub struct Motion([f64; MAIN]);
 
 impl Motion {
     /// x(t).
@@ -56,15 +64,6 @@ impl Motion {
         let x = self.end(z);
         [x[D] - x[C], x[D] - x[C + 1], x[W]]
     }
-
-    /// Work of T_e, T_c1, T_c2, T_v on ω_e, slip 1, slip 2, ω_w [J], shape (4).
-    pub fn work(&self, z: &Augmented) -> Torques {
-        let z = entries(z);
-        Torques::from(
-            [0, 1, 2, 3]
-                .map(|q| z[STATES + q] * self.0[ANGLE + q] + z[RAMP + q] * self.0[MOMENT + q]),
-        )
-    }
 }
 
 /// Motion over one level of the ladder with one choice of engaged clutches.
@@ -73,23 +72,29 @@ pub struct Rung {
     /// Time the rung spans [s].
     pub t: f64,
     /// What each entry of z adds to the motion.
-    columns: Columns<ROWS>,
-    /// ∫ viscous power dτ: upper triangle by columns, entries off the diagonal doubled.
-    viscous: [f64; TRIANGLE],
+    columns: Columns<MAIN>,
+    /// What reads angles and moments of both slips from z: rows.
+    slips: [[f64; AUGMENTED]; 4],
+    loss: Loss,
 }
 
 impl Rung {
     /// A rung that leads nowhere.
     pub(crate) const ZERO: Self = Self {
         t: 0.0,
-        columns: [[0.0; ROWS]; AUGMENTED],
-        viscous: [0.0; TRIANGLE],
+        columns: [[0.0; MAIN]; AUGMENTED],
+        slips: [[0.0; AUGMENTED]; 4],
+        loss: Loss::ZERO,
     };
 
-    /// Motion from z; entries that are zero cost nothing.
+    /// Motion from z; torques and ramps that are zero cost nothing.
+    #[inline(always)]
     pub fn motion(&self, z: &Augmented) -> Motion {
-        let mut rows = [0.0; ROWS];
-        for (column, &z) in self.columns.iter().zip(entries(z)) {
+        let (mut rows, z) = ([0.0; MAIN], entries(z));
+        for (column, z) in self.columns[..=STATES].iter().zip(z) {
+            add(&mut rows, column, *z);
+        }
+        for (column, &z) in self.columns.iter().zip(z).skip(STATES + 1) {
             if z != 0.0 {
                 add(&mut rows, column, z);
             }
@@ -118,18 +123,28 @@ impl Rung {
         [x[D] - x[C], x[D] - x[C + 1], x[W]]
     }
 
+    /// Work of T_e, T_c1, T_c2, T_v on ω_e, slip 1, slip 2, ω_w [J], shape (4).
+    ///
+    /// `motion`: the motion from z.
+    #[inline(always)]
+    pub fn work(&self, z: &Augmented, motion: &Motion) -> Torques {
+        let (z, [.., angle_e, angle_w, moment_w, moment_e]) = (entries(z), motion.0);
+        let friction = |i: usize| match (z[STATES + 1 + i], z[RAMP + 1 + i]) {
+            (0.0, 0.0) => 0.0,
+            (torque, ramp) => torque * dot(&self.slips[i], z) + ramp * dot(&self.slips[2 + i], z),
+        };
+        Torques::from([
+            z[STATES] * angle_e + z[RAMP] * moment_e,
+            friction(0),
+            friction(1),
+            z[STATES + 3] * angle_w + z[RAMP + 3] * moment_w,
+        ])
+    }
+
     /// Energy lost in the dampers from z [J].
+    #[inline(always)]
     pub fn viscous_loss(&self, z: &Augmented) -> f64 {
-        let (mut sum, z) = (0.0, entries(z));
-        let mut rest = &self.viscous[..];
-        for (j, entry) in z.iter().enumerate() {
-            let (column, next) = rest.split_at(j + 1);
-            rest = next;
-            if *entry != 0.0 {
-                sum += entry * dot(column, z);
-            }
-        }
-        sum
+        self.loss.of(z)
     }
 }
 
@@ -138,9 +153,13 @@ const fn entries(z: &Augmented) -> &[f64; AUGMENTED] {
     &z.data.0[0]
 }
 
-/// `sum` + `scale` · `column`; inlined, so that a chain of these keeps the sum in registers.
+/// `sum` + `scale` · `column`, which may be shorter; inlined, so that a chain of these keeps the sum in registers.
 #[inline(always)]
-fn add<const N: usize>(sum: &mut [f64; N], column: &[f64; N], scale: f64) {
+pub(crate) fn add<const N: usize, const M: usize>(
+    sum: &mut [f64; N],
+    column: &[f64; M],
+    scale: f64,
+) {
     for (sum, entry) in sum.iter_mut().zip(column) {
         *sum += entry * scale;
     }
@@ -148,7 +167,7 @@ fn add<const N: usize>(sum: &mut [f64; N], column: &[f64; N], scale: f64) {
 
 /// Σ a b over the entries of `a`, in two lanes.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (pairs, rest) = a.as_chunks::<2>();
     let (others, _) = b.as_chunks::<2>();
     let mut lanes = [0.0; 2];
@@ -230,15 +249,16 @@ impl Builder {
 
     /// Writes the finished rung to its place.
     pub(crate) fn finish(&self, rung: &mut Rung) {
-        (rung.t, rung.columns) = (self.t, self.columns);
-        let mut rest = &mut rung.viscous[..];
-        for (j, column) in self.loss.iter().enumerate() {
-            let (place, next) = rest.split_at_mut(j + 1);
-            for (i, place) in place.iter_mut().enumerate() {
-                *place = column[i] + if i == j { 0.0 } else { self.loss[i][j] };
+        rung.t = self.t;
+        for (j, column) in self.columns.iter().enumerate() {
+            let (states, worked) = rung.columns[j].split_at_mut(STATES);
+            states.copy_from_slice(&column[..STATES]);
+            worked.copy_from_slice(&WORKED.map(|row| column[row]));
+            for (to, row) in rung.slips.iter_mut().zip(SLIPS) {
+                to[j] = column[row];
             }
-            rest = next;
         }
+        rung.loss.pack(&self.loss);
     }
 }
 
