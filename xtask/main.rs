@@ -1,4 +1,4 @@
-//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | deny | docs | ci`.
+//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | native | docs | ci`.
 //!
 //! ```text
 //! main (arguments) ──> demo, test, bench: lists of steps ──> plan (runs them, says [3/9] …)
@@ -13,6 +13,7 @@
 mod bench;
 mod demo;
 mod dependencies;
+mod native;
 mod packages;
 mod plan;
 mod platforms;
@@ -35,6 +36,7 @@ commands:
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing
   deny           licences, advisories, origin and place of every crate: cargo-deny, deny.toml
+  native         the compiled master as a Python module in .venv: dct-harness run --engine native
   docs           the docs site into target/docs
   platforms      FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, each
                  run over the paper's scenario, under qemu and wine, with the same bits
@@ -80,6 +82,7 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["bench"] => plan::run(bench::steps(&project, &[])),
         ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
         ["deny"] => plan::run(deny(&project)),
+        ["native"] => plan::run(native(&project)),
         ["docs"] => plan::run(docs(&project)),
         ["platforms"] => plan::run(platforms::steps(&project)),
         ["ci"] => plan::run(ci(&project)),
@@ -94,6 +97,11 @@ fn command(words: &[&str]) -> Result<(), Failure> {
 /// What `test` asks about dependencies, alone.
 fn deny(project: &Project) -> Vec<Step> {
     vec![project.python_packages(), dependencies::step(project)]
+}
+
+/// The compiled master, for `dct-harness run --engine native`.
+fn native(project: &Project) -> Vec<Step> {
+    vec![project.python_packages(), native::module(project)]
 }
 
 /// The site of docs/, whose reference pages come from the code.

@@ -1,13 +1,11 @@
 //! `cargo xtask test`: every check, the quick ones first, pytest and its summary last.
 
 use crate::dependencies;
+use crate::native::{self, MASTER};
 use crate::packages;
-use crate::plan::{Step, execute};
+use crate::plan::Step;
 use crate::setup::{Package, Project};
 use std::process::Command;
-
-/// The closed-loop master is a workspace of its own: its build needs libclang.
-const MASTER: &str = "src/master/Cargo.toml";
 
 /// The library for control units is one too: without std it needs panic = "abort".
 const ECU: &str = "examples/ecu_observer/Cargo.toml";
@@ -28,7 +26,11 @@ pub fn steps(project: &Project) -> Vec<Step> {
         Step::commands("Rust docs without warnings", vec![docs(project)]),
         packages::step(project),
         project.fmus(),
-        master(project),
+        native::checks(
+            project,
+            clippy(project, &["--manifest-path", MASTER, "--workspace"]),
+        ),
+        native::module(project),
         Step::commands("Python tests", vec![pytest(project)]),
     ]
 }
@@ -60,22 +62,6 @@ fn docs(project: &Project) -> Command {
     let mut command = project.cargo(&["doc", "--quiet", "--workspace", "--no-deps"]);
     command.env("RUSTDOCFLAGS", "-D warnings");
     command
-}
-
-/// Clippy and the tests of `src/master`, with the library that its build needs.
-fn master(project: &Project) -> Step {
-    let project = project.clone();
-    Step::new("closed loop through the fmi crate: src/master", move || {
-        let bindgen = project.bindgen()?;
-        let scope = ["--manifest-path", MASTER];
-        let mut test = project.cargo(&["test", "--release"]);
-        test.args(scope);
-        for mut command in [clippy(&project, &scope), test] {
-            command.envs(bindgen.clone());
-            execute(command)?;
-        }
-        Ok(())
-    })
 }
 
 fn pytest(project: &Project) -> Command {

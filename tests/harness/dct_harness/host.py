@@ -60,7 +60,7 @@ class Host:
     def load(self, library: str, proxy: str, tool: bool, memory: int) -> str:
         """Load the library; returns "" or why it does not load. `tool`: it may start processes."""
         self._tool = tool
-        _limit(memory)
+        limit(memory)
         try:
             self._dll = ctypes.CDLL(library)
         except OSError as error:
@@ -230,7 +230,7 @@ class Host:
         return False
 
 
-def _limit(memory: int) -> None:
+def limit(memory: int) -> None:
     """Bound the address space [bytes], die with the parent, adopt the FMU's grandchildren."""
     if sys.platform != "linux":
         return

@@ -13,14 +13,17 @@ from .arguments import Verbs, add_limits, amount, limits, seconds, verb
 from .environment import environment
 from .errors import HarnessError
 from .master import Run
+from .native import NativeRun
 
 KPI_FAILS = 1
 DETAILS = ("phase/", "state/", "event/")  # scopes that --verbose shows
 KPIS_JSON = "kpis.json"
+ENGINES = {"fmpy": Run, "native": NativeRun}
 FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
 EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
 run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
 run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60
+run examples/closed_loop/paper_case1.toml --engine native
 run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml"""
 
 
@@ -32,6 +35,8 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
     finer = "repeat at half the step; exit 1 when an output changes by more"
     parser.add_argument("--check-step", type=amount, metavar="PERCENT", help=finer)
+    engine = "fmpy, or native: the compiled master, the same numbers in a fraction of the time"
+    parser.add_argument("--engine", choices=tuple(ENGINES), default="fmpy", help=engine)
     add_limits(parser)
     parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")
     parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
@@ -81,7 +86,7 @@ def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     """Return the run that the command line asks for, and its result directory."""
     formats.require(Path(f"results.{args.format}"))
     model, paths, names, package = selection.choose(args)
-    loop = Run(model, paths, names, limits(args))
+    loop = ENGINES[args.engine](model, paths, names, limits(args))
     loop.package = package
     return loop, args.out or Path("target/results") / model.name
 

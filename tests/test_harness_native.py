@@ -1,0 +1,114 @@
+"""`--engine native`: the compiled master gives the numbers of the fmpy loop, to the last bit."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from dct_harness import results
+from harness_fixture.lag_fmu import HARNESS, HERE, LAG, run, variable, write_fmu, write_system
+
+NATIVE = ("--engine", "native")
+CRASH, HANG = 1, 2  # modes of the hostile FMU, from t = 0.1 s on
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with an FMU that misbehaves on request."""
+    folder = tmp_path_factory.mktemp("hostile")
+    headers = Path(fmpy.__file__).parent / "c-code"
+    sources, library = (HERE / "hostile/hostile.c", HERE / "unsupported.c"), folder / "Lag.so"
+    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, "-o", library, "-lm"]
+    subprocess.run(command, check=True)
+    write_fmu(folder / "Lag.fmu", library, (*LAG, variable("mode", 0, "parameter", "0", "Integer")))
+    return folder
+
+
+@pytest.mark.parametrize(("system", "more"), [
+    ("torque_tracking_case1", ("--stop", "5", "--set", "observer.observer.method=calibrating")),
+    ("launch_wet6", ("--step", "0.01")),
+])  # fmt: skip
+def test_both_engines_give_the_same_bits(
+    tmp_path: Path, repo_root: Path, system: str, more: tuple[str, ...]
+) -> None:
+    told = []
+    for engine in ("fmpy", "native"):
+        out = tmp_path / engine
+        words = ("run", f"examples/closed_loop/{system}.toml", "--out", out, "--engine", engine)
+        done = subprocess.run([*HARNESS, *map(str, words), "-q", *more], cwd=repo_root,
+                              capture_output=True, text=True, check=False)  # fmt: skip
+        assert done.returncode in (0, 1), done.stderr
+        told.append((done.returncode, results.load(out)))
+    (codes, loops) = zip(*told, strict=True)
+    assert codes[0] == codes[1]
+    assert list(loops[0].signals) == list(loops[1].signals)
+    for name, signal in loops[0].signals.items():
+        assert np.array_equal(signal, loops[1][name]), name
+    assert loops[0]["plant.vehicle.speed"][-1] > 0.1
+    for part in ("parameters", "events", "wiring", "fmus"):
+        assert loops[0].run[part] == loops[1].run[part], part
+
+
+def test_a_foreign_fmu_runs_in_another_process(tmp_path: Path, hostile: Path) -> None:
+    rows = []
+    for engine in ("fmpy", "native"):
+        done = run(write_system(tmp_path), hostile, "--engine", engine)
+        assert done.returncode == 0, done.stderr
+        rows.append(results.load(tmp_path / "out")["plant.x"])
+    assert np.array_equal(*rows)
+    assert len(rows[0]) == 1001
+
+
+@pytest.mark.parametrize(("value", "code", "said"), [
+    (f"plant.mode={CRASH}", 4, "the process of the native loop ended with signal 11; run it with"),
+    (f"plant.mode={HANG}", 5, "the native loop took longer than 1 s (--call-timeout)"),
+])  # fmt: skip
+def test_a_foreign_fmu_that_misbehaves_is_an_error(
+    tmp_path: Path, hostile: Path, value: str, code: int, said: str
+) -> None:
+    options = ("--set", value, "--call-timeout", "1" if code == 5 else "20")
+    done = run(write_system(tmp_path), hostile, *NATIVE, *options)
+    assert done.returncode == code, done.stderr
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(("value", "said", "rows"), [
+    ("plant.nanAt=0.5", "plant.x is NaN at t = 0.501 s: no finite number", 501),
+    ("plant.failAt=0.25", "plant: fmi2DoStep at t = 0.25 s returned", 251),
+])  # fmt: skip
+@pytest.mark.parametrize("isolate", ["none", "foreign"])
+def test_rows_before_a_failure_are_kept(
+    tmp_path: Path, lag_dir: Path, value: str, said: str, rows: int, isolate: str
+) -> None:
+    done = run(write_system(tmp_path), lag_dir, *NATIVE, "--set", value, "--isolate", isolate)
+    assert done.returncode == 4, done.stderr
+    assert said in done.stderr
+    kept = results.load(tmp_path / "out")
+    assert len(kept.time) == rows
+    assert kept.run["status"] == "partial"
+
+
+def test_what_the_native_engine_cannot_do_is_told(tmp_path: Path, lag_dir: Path) -> None:
+    system = write_system(tmp_path)
+    text = system.read_text()
+    system.write_text(text.replace("[system]", "[system]\ninterpolate = true"))
+    done = run(system, lag_dir, *NATIVE)
+    assert done.returncode == 2
+    assert "has no input derivatives; run it with --engine fmpy" in done.stderr
+
+
+def test_a_missing_module_is_told_with_its_remedy(tmp_path: Path, lag_dir: Path) -> None:
+    system = write_system(tmp_path)
+    script = (
+        "import sys; sys.modules['cosim_native'] = None; "
+        "from dct_harness.cli import main; sys.exit(main())"
+    )
+    words = ("run", system, "--fmu-dir", lag_dir, "--isolate", "none", "--out", tmp_path / "o")
+    command = [HARNESS[0], "-c", script, *map(str, words), *NATIVE]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done.stderr
+    assert "`cargo xtask native` builds it" in done.stderr

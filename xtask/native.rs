@@ -1,0 +1,50 @@
+//! `src/master`: the compiled master, a workspace of its own because its build needs libclang.
+
+use crate::plan::{Failure, Step, execute};
+use crate::setup::Project;
+use std::process::Command;
+
+/// Its manifest.
+pub const MASTER: &str = "src/master/Cargo.toml";
+
+/// Where wheels are built.
+const WHEELS: &str = "target/wheels";
+
+/// Clippy and the tests, which run system files both here and by `dct-harness`.
+pub fn checks(project: &Project, clippy: Command) -> Step {
+    let project = project.clone();
+    Step::new("closed loop through the fmi crate: src/master", move || {
+        let mut test = project.cargo(&["test", "--release"]);
+        test.args(["--manifest-path", MASTER]);
+        with_bindgen(&project, [clippy, test])
+    })
+}
+
+/// Builds the Python module `cosim_native` and puts it into `.venv`.
+pub fn module(project: &Project) -> Step {
+    let project = project.clone();
+    Step::new("compiled master as a Python module into .venv", move || {
+        let mut build = project.venv("maturin", &["build", "--release", "--quiet"]);
+        build.args(["--manifest-path", "src/master/python/Cargo.toml"]);
+        build.args(["--out", WHEELS, "--interpreter"]);
+        build.arg(std::path::absolute(".venv/bin/python").unwrap_or_default());
+        with_bindgen(&project, [build])?;
+        let mut install = project.venv("python", &["-m", "pip", "install", "--quiet"]);
+        install.args([
+            "--no-deps",
+            "--no-index",
+            "--force-reinstall",
+            "--find-links",
+        ]);
+        install.args([WHEELS, "cosim-native"]);
+        execute(install)
+    })
+}
+
+fn with_bindgen<const N: usize>(project: &Project, commands: [Command; N]) -> Result<(), Failure> {
+    let bindgen = project.bindgen()?;
+    commands.into_iter().try_for_each(|mut command| {
+        command.envs(bindgen.clone());
+        execute(command)
+    })
+}
