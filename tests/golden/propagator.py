@@ -6,8 +6,8 @@ Over a piece of duration h the forcing v(t) = [T_e, T_c1, T_c2, T_v] is a polyno
     x(c h) = exp(A c h) x0 + sum_j Psi_j(c) v(c_j h),
 
 whatever the stiffness of A. T_v depends on x through omega_w, and friction that varies with slip
-through the slips; both are found by fixed-point iteration (contraction h |dT_v/domega_w| / J_v < 3e-3
-at h = 1 ms).
+through the slips; both are found by fixed-point iteration (contraction h |dT_v/domega_w| / J_v
+< 3e-3 at h = 1 ms).
 """
 
 from __future__ import annotations
