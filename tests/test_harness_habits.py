@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import shlex
 import subprocess
 import zipfile
 from pathlib import Path
 
 import pytest
-from dct_harness import cli, doctor_verb
-from harness_fixture.lag_fmu import harness, write_fmu
+from dct_harness import cli, doctor_verb, progress
+from harness_fixture.lag_fmu import HARNESS, harness, write_fmu, write_system
 
 
 @pytest.mark.parametrize(("words", "meant"), [
@@ -66,6 +68,86 @@ def test_doctor_tells_the_platforms_of_an_fmu_and_optional_packages(
     said = harness("doctor", path, folder=tmp_path).stdout
     assert f"{path}: binaries for linux64, win64\n" in said
     assert "pyarrow: " in said
+
+
+def _words(verb: str, folder: Path) -> list[str]:
+    """Return words with which a verb has something to say; run in the order of SPOKEN."""
+    run, loop = str(folder / "run"), str(folder / "s.toml")
+    own = ["--fmu-dir", str(folder)]
+    return {
+        "run": ["run", loop, *own, "--out", run],
+        "compare": ["compare", run, run],
+        "report": ["report", run, "--out", str(folder / "report")],
+        "convert": ["convert", run, str(folder / "run.parquet")],
+        "check": ["check", str(folder / "Lag.fmu")],
+        "doctor": ["doctor", str(folder / "Lag.fmu")],
+        "export-ssp": ["export-ssp", loop, *own, "--out", str(folder / "loop.ssp")],
+        "sweep": ["sweep", loop, *own, "--runs", "2", "--vary", "plant.tau=uniform(1,2)", "--out",
+                  str(folder / "sweep")],
+    }[verb]  # fmt: skip
+
+
+SPOKEN = ("run", "compare", "report", "convert", "check", "doctor", "export-ssp", "sweep")
+
+
+def test_verbs_speak_json_or_not_at_all(
+    tmp_path: Path, lag_library: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_fmu(tmp_path / "Lag.fmu", lag_library)
+    write_system(tmp_path)
+    for verb in SPOKEN:
+        words = _words(verb, tmp_path)
+        code = cli.main([*words, "--json"])
+        said = capsys.readouterr()
+        assert json.loads(said.out, parse_constant=pytest.fail), verb
+        assert said.out.count("\n") == 1, verb
+        assert cli.main([*words, "--quiet"]) == code
+        assert capsys.readouterr().out == "", verb
+        assert cli.main(words) == code
+        assert capsys.readouterr().out != "", verb
+
+
+def test_every_verb_shows_an_example_and_most_know_quiet(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    silent = set()
+    for module in cli.VERBS:
+        name = module.__name__.rpartition(".")[2].removesuffix("_verb").replace("_", "-")
+        with pytest.raises(SystemExit):
+            cli.main([name, "--help"])
+        said = capsys.readouterr().out
+        assert f"examples:\n  dct-harness {name}" in said
+        if "--quiet" not in said:
+            silent.add(name)
+    assert silent == {"completion"}
+
+
+def test_every_argument_is_explained() -> None:
+    verbs = next(a for a in cli.parser()._actions if a.dest == "verb").choices
+    silent = [f"{verb} {a.dest}" for verb, parser in verbs.items()
+              for a in parser._actions if not a.help]  # fmt: skip
+    assert silent == []
+
+
+def test_a_reader_that_closes_the_pipe_ends_the_verb_quietly(tmp_path: Path) -> None:
+    command = (
+        f"{shlex.join([*HARNESS, 'completion', 'bash'])} | head -c 10; echo ${{PIPESTATUS[0]}}"
+    )
+    done = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    assert done.stdout[10:] == f"{cli.CLOSED_PIPE}\n"
+    assert done.stderr == ""
+
+
+def test_lines_tell_the_time_left(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress.choose(quiet=False, unit="run") as shown:
+        for k in range(1, 21):
+            shown.update(k, 20)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == " 10 %  run 2 of 20, 0 s left"
+    assert lines[-1] == "100 %  run 20 of 20"
+    assert len(lines) == 10
 
 
 def test_doctor_says_what_a_missing_package_would_give(

@@ -80,7 +80,7 @@ def test_interrupt_keeps_the_rows_and_ends_without_traceback(lag_dir: Path, tmp_
         first = process.stderr.readline()
         process.send_signal(signal.SIGINT)
         rest = process.stderr.read()
-    assert first == " 10 %  step 100 of 1000\n"
+    assert re.fullmatch(r" 10 %  step 100 of 1000, \d+ s left\n", first), first
     assert process.returncode == 130
     assert "interrupted by Ctrl-C" in rest
     assert "Traceback" not in rest

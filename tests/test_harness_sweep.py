@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import signal
 import subprocess
 from pathlib import Path
@@ -70,7 +71,7 @@ def test_unknown_parameter_ends_the_sweep_with_2(lag_dir: Path, tmp_path: Path) 
 def test_ctrl_c_keeps_the_runs_so_far(lag_dir: Path, tmp_path: Path) -> None:
     system = write_system(tmp_path)
     command = [*HARNESS, "sweep", system, "--fmu-dir", lag_dir, "--out", tmp_path / "out",
-               "--runs", "100000", "--vary", "plant.tau=uniform(1,2)"]  # fmt: skip
+               "--runs", "100000", "-v", "--vary", "plant.tau=uniform(1,2)"]  # fmt: skip
     with subprocess.Popen(command, env=environment(tmp_path), stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True) as process:  # fmt: skip
         process.stdout.readline()
@@ -81,3 +82,15 @@ def test_ctrl_c_keeps_the_runs_so_far(lag_dir: Path, tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert 1 <= len(rows) < 1000
     assert list((tmp_path / "tmp").iterdir()) == []
+
+
+def test_sweep_as_json_is_the_spread_of_its_csv(lag_dir: Path, tmp_path: Path) -> None:
+    limit = '[[kpis]]\nkpi = "shift.jerkPeak"\nsignal = "vehicle.acceleration"\nmax = 1\n'
+    system = write_system(tmp_path)
+    system.write_text(system.read_text() + limit)
+    done = harness("sweep", system, "--fmu-dir", lag_dir, "--out", tmp_path / "out", "--runs", "3",
+                   "--vary", "plant.tau=uniform(1,2)", "--json", folder=tmp_path)  # fmt: skip
+    told = json.loads(done.stdout)
+    assert (told["runs"], told["missed"], told["verdict"]) == (3, 3, "fail")
+    assert done.returncode == 1
+    assert done.stderr == ""

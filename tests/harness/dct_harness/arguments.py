@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -24,6 +25,23 @@ def verb(
     )  # fmt: skip
     parser.set_defaults(action=action)
     return parser
+
+
+def add_loudness(parser: argparse.ArgumentParser, told: str, verbose: str = "") -> None:
+    """Add --quiet and --json, which prints what is `told`; --verbose where there is more to say."""
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    if verbose:
+        group.add_argument("-v", "--verbose", action="store_true", help=verbose)
+    group.add_argument("--json", action="store_true", help=f"print {told} as JSON")
+
+
+def say(args: argparse.Namespace, text: str, data: Any) -> None:
+    """Print a text, or its data as one line of JSON, or nothing: what the command line chose."""
+    if args.json:
+        print(json.dumps(data, allow_nan=False))
+    elif not args.quiet:
+        print(text)
 
 
 def seconds(text: str) -> float:
@@ -64,7 +82,8 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "foreign FMUs", "An FMU that this project did not build runs in a process of its own."
     )
-    group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign")
+    group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign",
+                       help="which FMUs get a process (foreign)")  # fmt: skip
     group.add_argument("--call-timeout", type=seconds, default=Limits.seconds, metavar="SECONDS",
                        help="longest time for one call (%(default)g)")  # fmt: skip
     group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",

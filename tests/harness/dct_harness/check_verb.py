@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 from .against import Finding
-from .arguments import Verbs, verb
+from .arguments import Verbs, add_loudness, say, verb
+from .kpi.table import aligned
+from .values import unit_of
 
 BROKEN = 1  # contract
 INVALID = 3
+HEAD = ["causality", "type", "variable", "unit"]
 
 
 def add(verbs: Verbs) -> None:
@@ -18,9 +22,10 @@ def add(verbs: Verbs) -> None:
     parser = verb(verbs, "check", check, "validate and load one FMU",
                   "check target/fmu/DctPlant.fmu\n"
                   "check Supplier.fmu --against plant --map supplier.toml")  # fmt: skip
-    parser.add_argument("fmu", type=Path)
+    parser.add_argument("fmu", type=Path, help="the FMU")
     parser.add_argument("--against", choices=["plant"], help="hold it to the contract of a plant")
     parser.add_argument("--map", type=Path, help="mapping file (.toml) of that plant's names")
+    add_loudness(parser, "problems and variables, or the lines of the contract")
 
 
 def check(args: argparse.Namespace) -> int:
@@ -35,14 +40,14 @@ def check(args: argparse.Namespace) -> int:
     from .isolated import load
 
     fmu = load("check", args.fmu)
-    try:
-        problems = validate_fmu(str(args.fmu))
-        for text in problems:
-            print(text, file=sys.stderr)
-        for variable in (*fmu.inputs, *fmu.outputs):
-            print(f"{variable.causality:7} {variable.type:11} {variable.name}")
-    finally:
-        fmu.close()
+    fmu.close()
+    problems = validate_fmu(str(args.fmu))
+    for text in problems:
+        print(text, file=sys.stderr)
+    offered = [{"causality": v.causality, "type": v.type, "name": v.name, "unit": unit_of(v)}
+               for v in (*fmu.inputs, *fmu.outputs)]  # fmt: skip
+    rows = [[v["causality"], v["type"], v["name"], v["unit"]] for v in offered]
+    say(args, aligned(HEAD, rows, lambda _: False), {"problems": problems, "variables": offered})
     return INVALID if problems else 0
 
 
@@ -56,19 +61,17 @@ def _against(args: argparse.Namespace) -> int:
     description = described(args.fmu)
     names = mapping.load(args.map) if args.map else against.identity(description, args.fmu)
     found = against.findings(description, names, same_names=args.map is None)
-    _table(("variable", "the FMU's", "contract"), found)
+    parts = [_table(["variable", "the FMU's", "contract"], found)]
     if not any(f.fault for f in found):
         signs = sanity.signs(lambda: Mapped(load("plant", args.fmu), names))
-        print()
-        _table(("sign", "signal", "manoeuvre"), signs)
+        parts.append(_table(["sign", "signal", "manoeuvre"], signs))
         found += signs
     faults = sum(f.fault for f in found)
-    print(f"\nverdict: {f'{faults} faults' if faults else 'a plant that the observer can use'}")
+    verdict = f"{faults} faults" if faults else "a plant that the observer can use"
+    say(args, "\n\n".join([*parts, f"verdict: {verdict}"]),
+        {"faults": faults, "lines": [asdict(f) for f in found]})  # fmt: skip
     return BROKEN if faults else 0
 
 
-def _table(head: tuple[str, str, str], found: list[Finding]) -> None:
-    rows = [head, *((f.name, f.theirs or "-", f.verdict) for f in found)]
-    widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
-    for first, second, verdict in rows:
-        print(f"{first:{widths[0]}}  {second:{widths[1]}}  {verdict}")
+def _table(head: list[str], found: list[Finding]) -> str:
+    return aligned(head, [[f.name, f.theirs or "-", f.verdict] for f in found], lambda _: False)

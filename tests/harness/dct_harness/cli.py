@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 
 from . import (
@@ -23,6 +24,7 @@ from .suggesting import Parser
 
 VERBS = (run_verb, check_verb, map_verb, report_verb, compare_verb, convert_verb, identify_verb,
          sweep_verb, export_ssp_verb, doctor_verb, completion_verb)  # fmt: skip
+CLOSED_PIPE = 141  # as a shell reports SIGPIPE
 EXIT_CODES = """exit codes:
   0 pass, 1 KPI or regression fails, 2 usage or configuration, 3 FMU invalid,
   4 FMU failed at run time, 5 timeout, 6 no binary for this platform,
@@ -49,10 +51,15 @@ def main(argv: list[str] | None = None) -> int:
     """Run one verb; returns the documented exit code."""
     args = parser().parse_args(argv)
     try:
-        return args.action(args)
+        code: int = args.action(args)
+        sys.stdout.flush()
+        return code
     except HarnessError as error:
         print(f"dct-harness: {error}", file=sys.stderr)
         return error.exit_code
+    except BrokenPipeError:  # `| head`: whoever reads has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
     except KeyboardInterrupt:
         print("dct-harness: interrupted", file=sys.stderr)
         return InterruptedRunError.exit_code

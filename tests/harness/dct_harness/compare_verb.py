@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from . import junit, results
-from .arguments import Verbs, amount, verb
+from .arguments import Verbs, add_loudness, amount, verb
 from .compare import Outcome, Tolerance, Tolerances, compare, tolerances
 from .kpi.table import aligned
 
@@ -34,10 +34,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--tube", type=amount, help="time [s] by which an event may move (0)")
     parser.add_argument("--nrmse", type=amount, help="bound of RMS error / RMS (none)")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML")
-    loudness = parser.add_mutually_exclusive_group()
-    loudness.add_argument("-q", "--quiet", action="store_true", help="print nothing")
-    loudness.add_argument("-v", "--verbose", action="store_true", help="print every signal")
-    loudness.add_argument("--json", action="store_true", help="print the outcomes as JSON")
+    add_loudness(parser, "the outcome of every signal", "print every signal")
 
 
 def run(args: argparse.Namespace) -> int:

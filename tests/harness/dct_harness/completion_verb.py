@@ -15,7 +15,7 @@ def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "print a completion script for a shell"
     parser = verb(verbs, "completion", completion, text, EXAMPLES)
-    parser.add_argument("shell", choices=SHELLS)
+    parser.add_argument("shell", choices=SHELLS, help="whose script to print")
 
 
 def completion(args: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from . import formats, measured
-from .arguments import Verbs, seconds, verb
+from .arguments import Verbs, add_loudness, say, seconds, verb
 from .errors import ConfigError
 
 EXAMPLES = """convert target/results/paper_case1 case1.mf4
@@ -28,6 +28,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--step", type=seconds, metavar="SECONDS", help="resample to this step")
     parser.add_argument("--start", type=_time, metavar="T", help="from this time [s], new time 0")
     parser.add_argument("--stop", type=_time, metavar="T", help="up to this time [s]")
+    add_loudness(parser, "file, signals and samples")
 
 
 def _time(text: str) -> float:
@@ -54,6 +55,7 @@ def convert(args: argparse.Namespace) -> int:
     table = measured.common(channels, args.step, args.start, args.stop)
     args.target.parent.mkdir(parents=True, exist_ok=True)
     formats.write(args.target, table)
-    count, samples = len(table.names) - 1, len(table.rows)
-    print(f"{args.target}: {count} signals, {samples} samples to t = {table.rows[-1, 0]:g} s")
+    count, samples, end = len(table.names) - 1, len(table.rows), float(table.rows[-1, 0])
+    say(args, f"{args.target}: {count} signals, {samples} samples to t = {end:g} s",
+        {"file": str(args.target), "signals": count, "samples": samples, "end": end})  # fmt: skip
     return 0

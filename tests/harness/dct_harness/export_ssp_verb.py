@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from . import selection
-from .arguments import Verbs, verb
+from .arguments import Verbs, add_loudness, say, verb
 from .ssp_export import Export
 
 EXAMPLES = """export-ssp examples/closed_loop/paper_case1.toml --out target/paper_case1.ssp
@@ -20,6 +20,7 @@ def add(verbs: Verbs) -> None:
     parser = verb(verbs, "export-ssp", export, text, EXAMPLES)
     selection.add_options(parser)
     parser.add_argument("--out", type=Path, help="file to write (target/NAME.ssp)")
+    add_loudness(parser, "file and components")
 
 
 def export(args: argparse.Namespace) -> int:
@@ -31,5 +32,6 @@ def export(args: argparse.Namespace) -> int:
     finally:
         if package is not None:
             package.folder.cleanup()
-    print(f"{out}: {len(paths)} components, runs with `dct-harness run {out}`")
+    say(args, f"{out}: {len(paths)} components, runs with `dct-harness run {out}`",
+        {"file": str(out), "components": list(paths)})  # fmt: skip
     return 0

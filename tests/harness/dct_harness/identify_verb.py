@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 from . import measured, shaft
-from .arguments import Verbs, amount, seconds, verb
+from .arguments import Verbs, add_loudness, amount, say, seconds, verb
 from .errors import ConfigError, did_you_mean
 
 EXAMPLES = """identify launch.csv
@@ -46,7 +45,7 @@ def add(verbs: Verbs) -> None:
     )
     option("--length", type=seconds, default=window.length, metavar="SECONDS", help=LENGTH_HELP)
     option("--built-up", type=amount, default=window.built_up, metavar="TORQUE", help=TORQUE_HELP)
-    option("--json", action="store_true", help="print all methods as JSON")
+    add_loudness(parser, "what each method finds")
 
 
 def _positive(text: str) -> float:
@@ -66,7 +65,7 @@ def identify(args: argparse.Namespace) -> int:
     rate = rows[:, 1] / args.ratio - rows[:, 2]
     window = shaft.Window(args.built_up, args.length, args.start)
     fits = [shaft.identify(rows[:, 0], rate, rows[:, 3], window, m) for m in shaft.METHODS]
-    print(json.dumps([asdict(fit) for fit in fits], indent=2) if args.json else table(fits))
+    say(args, table(fits), [asdict(fit) for fit in fits])
     return 0
 
 

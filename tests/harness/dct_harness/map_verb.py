@@ -16,9 +16,10 @@ from .errors import ConfigError
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "map", make, "write a mapping file for a supplier's plant to start from",
-                  "map Supplier.fmu --out supplier.toml")  # fmt: skip
-    parser.add_argument("fmu", type=Path)
+                  "map Supplier.fmu\nmap Supplier.fmu --out supplier.toml")  # fmt: skip
+    parser.add_argument("fmu", type=Path, help="the supplier's plant")
     parser.add_argument("--out", type=Path, help="file to write (standard output)")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
 
 
 def make(args: argparse.Namespace) -> int:
@@ -30,5 +31,6 @@ def make(args: argparse.Namespace) -> int:
     if args.out.exists():
         raise ConfigError(f"{args.out}: exists already; name another file or remove it")
     results.write_text(args.out, text)
-    print(f"mapping to be completed: {args.out}")
+    if not args.quiet:
+        print(f"mapping to be completed: {args.out}")
     return 0

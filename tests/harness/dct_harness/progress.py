@@ -1,8 +1,9 @@
-"""How far a run is: a bar with ETA on a terminal, a line every 10 % elsewhere."""
+"""How far a run is: a bar with the time left on a terminal, a line every 10 % elsewhere."""
 
 from __future__ import annotations
 
 import sys
+import time
 from types import TracebackType
 from typing import Any, TextIO
 
@@ -31,8 +32,9 @@ class Silent:
 class Lines(Silent):
     """Prints a line at every tenth of the run."""
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream, self._tenths = stream, 0
+    def __init__(self, stream: TextIO, unit: str) -> None:
+        self._stream, self._unit, self._tenths = stream, unit, 0
+        self._start = time.monotonic()
 
     def update(self, done: int, total: int) -> None:
         """Print when another tenth is complete."""
@@ -40,16 +42,19 @@ class Lines(Silent):
         if tenths > self._tenths:
             self._tenths = tenths
             percent = 100 * tenths // LINES
-            print(f"{percent:3d} %  step {done} of {total}", file=self._stream, flush=True)
+            left = (time.monotonic() - self._start) * (total - done) / done
+            rest = f", {left:.0f} s left" if done < total else ""
+            print(f"{percent:3d} %  {self._unit} {done} of {total}{rest}", file=self._stream,
+                  flush=True)  # fmt: skip
 
 
 class Bar(Silent):
     """A progress bar that disappears when it is closed."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: TextIO, unit: str) -> None:
         from tqdm import tqdm
 
-        self._bar: Any = tqdm(unit="step", leave=False, file=stream)
+        self._bar: Any = tqdm(unit=unit, leave=False, file=stream)
 
     def update(self, done: int, total: int) -> None:
         """Draw the bar."""
@@ -61,8 +66,8 @@ class Bar(Silent):
         self._bar.close()
 
 
-def choose(quiet: bool) -> Silent:
+def choose(quiet: bool, unit: str = "step") -> Silent:
     """Return what suits standard error."""
     if quiet:
         return Silent()
-    return Bar(sys.stderr) if sys.stderr.isatty() else Lines(sys.stderr)
+    return (Bar if sys.stderr.isatty() else Lines)(sys.stderr, unit)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import check_step, formats, junit, kpi, progress, results, selection, watch
-from .arguments import Verbs, add_limits, amount, limits, seconds, verb
+from .arguments import Verbs, add_limits, add_loudness, amount, limits, seconds, verb
 from .environment import environment
 from .errors import HarnessError
 from .master import Run
@@ -41,12 +41,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")
     parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="limits as JUnit XML")
-    loudness = parser.add_mutually_exclusive_group()
-    loudness.add_argument("-q", "--quiet", action="store_true", help="print errors only")
-    loudness.add_argument(
-        "-v", "--verbose", action="store_true", help="also KPIs per phase, FMU messages"
-    )
-    loudness.add_argument("--json", action="store_true", help="print run.json and the KPIs")
+    add_loudness(parser, "run.json and the KPIs", "also KPIs per phase, FMU messages")
 
 
 def run(args: argparse.Namespace) -> int:

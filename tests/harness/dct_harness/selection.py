@@ -24,7 +24,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
     parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
     parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
-    parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE")
+    parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
+                        help="a parameter or start value; may be given more than once")  # fmt: skip
 
 
 def choose(args: argparse.Namespace) -> Chosen:

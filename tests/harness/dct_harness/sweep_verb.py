@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from .arguments import Verbs, verb
+from . import progress
+from .arguments import Verbs, add_loudness, say, verb
 from .errors import ConfigError, HarnessError, InterruptedRunError
 from .kpi.scopes import SCENARIO
 from .kpi.table import aligned, number
@@ -25,6 +26,7 @@ DRAW = re.compile(r"^(?P<name>[^=]+)=(?P<kind>uniform|normal)\((?P<a>[^,]+),(?P<
 EXAMPLES = """sweep loop.toml --vary 'plant.vehicle.mass=uniform(1300,1900)' --runs 50 --seed 7
 sweep loop.toml --vary 'plant.clutch1.kineticFriction=normal(0.26,0.02)' --out target/sweep"""
 HEAD = ["KPI", "signal", "estimate", "least", "median", "95 %", "most"]
+KEYS = ("kpi", "signal", "estimate", "least", "median", "quantile95", "most")
 VARY_HELP = "COMPONENT.VARIABLE=uniform(LOW,HIGH) or normal(MEAN,DEVIATION)"
 
 
@@ -37,8 +39,10 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--runs", type=int, default=20, help="how many (20)")
     parser.add_argument("--seed", type=int, default=0, help="same seed, same draws (0)")
     parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
-    parser.add_argument("--out", type=Path, default=Path("target/sweep"))
+    parser.add_argument("--out", type=Path, default=Path("target/sweep"),
+                        help="folder of sweep.csv and of kept runs (target/sweep)")  # fmt: skip
     parser.add_argument("--keep", action="store_true", help="keep the signals of every run")
+    add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
 
 
 def draws(texts: list[str], runs: int, seed: int) -> dict[str, np.ndarray]:
@@ -75,18 +79,37 @@ def sweep(args: argparse.Namespace) -> int:
     values = draws(args.vary, args.runs, args.seed)
     rows: list[dict[str, Any]] = []
     try:
-        for k in range(args.runs):
-            chosen = {name: float(drawn[k]) for name, drawn in values.items()}
-            rows.append(_one(args, k + 1, chosen))
-            shown = ", ".join(f"{name} = {value:.5g}" for name, value in chosen.items())
-            print(f"{k + 1:4d} of {args.runs}  {rows[-1]['verdict']:10}  {shown}", flush=True)
+        with progress.choose(args.quiet or args.json, unit="run") as shown:
+            for k in range(args.runs):
+                chosen = {name: float(drawn[k]) for name, drawn in values.items()}
+                rows.append(_one(args, k + 1, chosen))
+                if args.verbose:
+                    told = ", ".join(f"{name} = {value:.5g}" for name, value in chosen.items())
+                    print(f"{k + 1:4d} {rows[-1]['verdict']:10}  {told}", flush=True)
+                shown.update(k + 1, args.runs)
     finally:  # Ctrl-C keeps the runs so far
         if rows:
             _write(args.out / SWEEP_CSV, rows)
-    print(f"\n{_spread(rows, list(values))}\n\n{args.out / SWEEP_CSV}: {len(rows)} runs")
     missed = sum(row["verdict"] not in ("pass", "not judged") for row in rows)
-    print(f"verdict: {'fail' if missed else 'pass'}, {missed} of {len(rows)} runs miss a limit")
+    _say(args, rows, list(values), missed)
     return KPI_FAILS if missed else 0
+
+
+def _say(
+    args: argparse.Namespace, rows: list[dict[str, Any]], varied: list[str], missed: int
+) -> None:
+    spread, path, verdict = (
+        _spread(rows, varied),
+        args.out / SWEEP_CSV,
+        "fail" if missed else "pass",
+    )
+    cells = [[*line[:3], *(number(x, 3) for x in line[3:])] for line in spread]
+    lines = [aligned(HEAD, cells, lambda k: k > 2), "", f"{path}: {len(rows)} runs",
+             f"verdict: {verdict}, {missed} of {len(rows)} runs miss a limit"]  # fmt: skip
+    told = [dict(zip(KEYS, line, strict=True)) for line in spread]
+    say(args, "\n".join(lines).lstrip("\n"),
+        {"file": str(path), "runs": len(rows), "missed": missed, "verdict": verdict,
+         "spread": told})  # fmt: skip
 
 
 def _one(args: argparse.Namespace, number: int, chosen: dict[str, float]) -> dict[str, Any]:
@@ -124,15 +147,15 @@ def _write(path: Path, rows: list[dict[str, Any]]) -> None:
     write_text(path, text.getvalue())
 
 
-def _spread(rows: list[dict[str, Any]], varied: list[str]) -> str:
-    """Return a table of least, median, 95 % quantile and most of each KPI."""
+def _spread(rows: list[dict[str, Any]], varied: list[str]) -> list[list[Any]]:
+    """Return KPI, signal, estimate, then least, median, 95 % quantile and most of its values."""
     names = list(dict.fromkeys(name for row in rows for name in row))
-    cells = []
+    found = []
     for name in names:
         known = [row[name] for row in rows if row.get(name) is not None]
         if name in ("run", "verdict", *varied) or not known:
             continue
         key, signal, *estimate = name.split("/")
         figures = (min(known), np.median(known), np.quantile(known, 0.95), max(known))
-        cells.append([key, signal, "".join(estimate), *(number(float(f), 3) for f in figures)])
-    return aligned(HEAD, cells, lambda k: k > 2)
+        found.append([key, signal, "".join(estimate), *map(float, figures)])
+    return found
