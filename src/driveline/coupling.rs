@@ -8,7 +8,7 @@
 //!
 //! let p = Params::TABLE_1;
 //! let mut ladders = Propagators::new(&p, [1, 2], 1e-3);
-//! let held = Coupling { gear: [1, 2], held: true };
+//! let held = Coupling { held: true, ..Coupling::from([1, 2]) };
 //! assert!(ladders.of(&p, held).fits(held, 1e-3));
 //! ```
 
@@ -18,15 +18,40 @@ use crate::integrate::Propagators;
 /// What is connected to what, clutches aside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Coupling {
-    /// Gears that act on the two shafts, shape (2); 0 is neutral.
+    /// Gears that are in, or that shafts are being synchronised to, shape (2); 0 is neutral.
     pub gear: [i32; 2],
+    /// A shaft's gear is not in yet: its synchroniser rubs, and its clutch is open, shape (2).
+    pub synchronising: [bool; 2],
     /// The brake holds the wheels: ω_w stays as it is.
     pub held: bool,
 }
 
 impl From<[i32; 2]> for Coupling {
     fn from(gear: [i32; 2]) -> Self {
-        Self { gear, held: false }
+        Self {
+            gear,
+            synchronising: [false; 2],
+            held: false,
+        }
+    }
+}
+
+impl Coupling {
+    /// Gears that connect a shaft with the output, shape (2); 0: none does.
+    pub fn gear_in(&self) -> [i32; 2] {
+        [0, 1].map(|i| {
+            if self.synchronising[i] {
+                0
+            } else {
+                self.gear[i]
+            }
+        })
+    }
+
+    /// Those of `set` (bit i: clutch i) that may be engaged: not while their shafts are synchronised.
+    pub fn engageable(&self, set: usize) -> usize {
+        let [one, two] = self.synchronising.map(usize::from);
+        set & !(one | two << 1)
     }
 }
 

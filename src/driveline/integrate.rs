@@ -81,7 +81,9 @@ impl Propagators {
         self.h = h;
         self.connect(p, coupling.into());
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
-            fill_ladder(rungs, &self.systems, set, self.h);
+            if self.systems.coupling.engageable(set) == set {
+                fill_ladder(rungs, &self.systems, set, self.h);
+            }
         }
     }
 
@@ -95,7 +97,8 @@ impl Propagators {
         self.systems.coupling == coupling.into() && (h - self.h).abs() <= SAME_STEP * self.h
     }
 
-    /// Rung at a level with the clutches of `stuck` (bit i: clutch i) engaged.
+    /// Rung at a level with the clutches of `stuck` (bit i: clutch i) engaged, none of a shaft that is
+    /// being synchronised.
     pub fn rung(&self, stuck: usize, level: usize) -> &Rung {
         &self.rungs[stuck & 3][level.min(LADDER)]
     }
@@ -115,7 +118,7 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
         t *= 0.5;
         below += 1;
     }
-    let mut rung = Builder::base(system, &systems.viscous, t);
+    let mut rung = Builder::base(systems, set, t);
     (0..below).for_each(|_| rung.double(active(set)));
     for (level, place) in rungs.iter_mut().enumerate() {
         let doublings = if level == 0 { 0 } else { DOUBLINGS };

@@ -21,6 +21,7 @@ pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;
 mod plant_rows;
+mod plant_springs;
 mod plant_tangent;
 mod presets;
 pub mod reduced;

@@ -30,6 +30,8 @@ pub struct Params {
     pub i_t: [[f64; GEARS_PER_SHAFT]; 2],
     /// i_t of the reverse gear per shaft, ≥ 0: the output turns the other way; 0 where none is fitted [1].
     pub i_r: [f64; 2],
+    /// T_s: torque of a shaft's synchroniser while it rubs, seen at its input shaft [N·m].
+    pub t_s: [f64; 2],
     /// i_f1, i_f2 of (8): final-drive ratio per shaft [1].
     pub i_f: [f64; 2],
     /// J_o of (8): inertia of the output shaft [kg·m²].
@@ -134,7 +136,8 @@ impl Params {
     ///
     /// c_o,eq is 567 as in Table 1, not the 561 of section 2.2.2 (erratum E6).
     /// `assumed:` k_d, c_d, k_t, c_t, μ_k, μ_s, the road load and the force-position maps: typical
-    /// of a compact car with a dry DCT; the two clutches differ on purpose.
+    /// of a compact car with a dry DCT; the two clutches differ on purpose. T_s turns a shaft by 100 rad/s
+    /// in 0.1 s.
     pub const TABLE_1: Self = Self {
         j_e: 0.745,
         j_d: 0.0165,
@@ -145,6 +148,7 @@ impl Params {
         c_t: [20.0, 20.0],
         i_t: [[3.0, 0.0, 0.0, 0.0], [2.4, 0.0, 0.0, 0.0]],
         i_r: [0.0, 0.0],
+        t_s: [100.0, 100.0],
         i_f: [6.0, 4.8],
         j_o: 0.04,
         k_o: 4887.0,

@@ -20,7 +20,7 @@
 //! ```
 
 use crate::Params;
-use crate::coupling::{Coupling, Ladders};
+use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant_block::{Block, torques};
 use crate::plant_brake::drive_shaft_torque;
@@ -41,6 +41,10 @@ pub struct Plant {
     pub modes: [Mode; 2],
     /// Mode of the brake: it slides, or it holds the wheels.
     pub brake: Mode,
+    /// Gears that are in or that shafts are synchronised to, shape (2); 0 is neutral.
+    pub gear: [i32; 2],
+    /// Modes of the synchronisers, shape (2): sgn(ω_ci − g_i ω_o) while a gear comes in, otherwise open.
+    pub synchroniser: [Mode; 2],
     /// Work since the start.
     pub work: Work,
     /// Energy stored at the start [J].
@@ -50,11 +54,13 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// Nothing moves, the clutches are open.
+    /// Nothing moves, the clutches are open, gears 1 and 2 are in.
     pub const AT_REST: Self = Self {
         x: State::from_array_storage(nalgebra::ArrayStorage([[0.0; STATES]])),
         modes: [Mode::Open; 2],
         brake: Mode::Open,
+        gear: [1, 2],
+        synchroniser: [Mode::Open; 2],
         work: Work {
             engine: 0.0,
             friction: [0.0; 2],
@@ -66,7 +72,8 @@ impl Plant {
         grade: Grade::LEVEL,
     };
 
-    /// The plant at the start of a run: ω_d = ω_e, ω_o = ω_w = V/r_w, ω_ci = g_i ω_o, twists 0.
+    /// The plant at the start of a run: ω_d = ω_e, ω_o = ω_w = V/r_w, ω_ci = g_i ω_o, twists 0; the gears
+    /// preselected are in.
     ///
     /// `omega_e`: engine speed [rad/s]. `v`: vehicle speed [m/s].
     pub fn start(p: &Params, input: &Input, omega_e: f64, v: f64) -> Self {
@@ -82,6 +89,7 @@ impl Plant {
         (x[C], x[C + 1]) = (g[0] * omega_w, g[1] * omega_w);
         let mut plant = Self {
             x,
+            gear: input.gear,
             stored_at_start: systems.stored_energy(&x),
             grade: Grade::LEVEL.at(input.phi),
             ..Self::AT_REST
@@ -94,17 +102,10 @@ impl Plant {
         plant
     }
 
-    /// What is connected to what with these gears.
-    ///
-    /// `gear`: gears that act, shape (2).
-    pub fn coupling(&self, gear: [i32; 2]) -> Coupling {
-        let held = self.brake == Mode::Stuck;
-        Coupling { gear, held }
-    }
-
-    /// Modes of clutch 1, clutch 2 and the brake, shape (3).
-    pub fn all_modes(&self) -> [Mode; 3] {
-        [self.modes[0], self.modes[1], self.brake]
+    /// Modes of clutch 1, clutch 2, brake, synchroniser 1 and synchroniser 2, shape (5).
+    pub fn all_modes(&self) -> [Mode; 5] {
+        let ([one, two], [three, four]) = (self.modes, self.synchroniser);
+        [one, two, self.brake, three, four]
     }
 
     /// Advances the plant by the communication step of `ladders`.
@@ -120,7 +121,8 @@ impl Plant {
         self.step_observed(p, ladders, input, rate, |_, _, _| {});
     }
 
-    /// Like [`Self::step`], and reports every instant at which clutches or brake change their modes.
+    /// Like [`Self::step`], and reports every instant at which clutches, brake or synchronisers change
+    /// their modes.
     ///
     /// `report`: called with the time since the start of the step [s] and [`Self::all_modes`] before
     /// and after.
@@ -130,7 +132,7 @@ impl Plant {
         ladders: &mut impl Ladders,
         input: &Input,
         rate: &InputRate,
-        mut report: impl FnMut(f64, [Mode; 3], [Mode; 3]),
+        mut report: impl FnMut(f64, [Mode; 5], [Mode; 5]),
     ) {
         let varies = p.friction_varies();
         let mut place = None;
@@ -140,10 +142,11 @@ impl Plant {
         let mut cap = LADDER - if varies { 2 } else { 0 };
         let before = self.all_modes();
         self.grade = self.grade.at(now.phi);
+        self.change_gears(p, &now, &rate);
         self.resolve_all(p, ladders, &now, &rate, &Event::default());
         report(0.0, before, self.all_modes());
         while done < TICKS {
-            let propagators = ladders.of(p, self.coupling(input.gear));
+            let propagators = ladders.of(p, self.coupling());
             let level = level(done - piece, TICKS - done).min(cap);
             let rung = propagators.rung(stuck_set(self.modes), level);
             let (block, settled) = if varies {
@@ -157,10 +160,10 @@ impl Plant {
             }
             let systems = &propagators.systems;
             let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
-            let (crossing, event) = if block.is_quiet(p, rows, self.modes, self.brake) {
+            let (crossing, event) = if block.is_quiet(p, rows, self) {
                 (Crossing::None, Event::default())
             } else {
-                block.events(p, systems, self.modes, self.brake)
+                block.events(p, systems, self)
             };
             if crossing != Crossing::None && level > 0 && events < MAX_EVENTS {
                 cap = level - 1;
@@ -177,6 +180,9 @@ impl Plant {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
                 }
                 let before = self.all_modes();
+                if event.synchronised != [false; 2] {
+                    self.put_in(p, event.synchronised);
+                }
                 let after = propagators.h * f64::from(done) / f64::from(TICKS);
                 self.resolve_all(p, ladders, &now, &rate, &event);
                 report(after, before, self.all_modes());
@@ -198,16 +204,21 @@ impl Plant {
         };
         let factor = self.friction_factor(p);
         let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
+        let v = self.with_synchronisers(p, v);
         let system = &systems.by_stuck[stuck_set(self.modes)];
         let t_c = [0, 1].map(|i| match self.modes[i] {
             Mode::Stuck => system.rows.torque[i].of(x, &v),
+            Mode::Open => 0.0,
             _ => v[1 + i],
         });
         let slip = self.slip();
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
             let omega_c_dot = system.derivative(x, &v)[C + i];
-            t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+            t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+        }
+        for i in (0..2).filter(|i| self.synchroniser[*i] != Mode::Open) {
+            t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
         }
         Output {
             omega_e: x[E],
@@ -227,6 +238,8 @@ impl Plant {
             held,
             friction_power: [t_c[0] * slip[0], t_c[1] * slip[1]],
             friction_energy: self.work.friction,
+            synchronising: systems.coupling.synchronising,
+            synchroniser_energy: self.work.synchroniser,
             energy_residual: self.energy_residual(systems),
         }
     }
@@ -266,7 +279,7 @@ impl Plant {
         event: &Event,
     ) {
         self.resolve_brake(p, input, rate, event);
-        let systems = &ladders.of(p, self.coupling(input.gear)).systems;
+        let systems = &ladders.of(p, self.coupling()).systems;
         self.resolve(p, systems, input, rate, event);
     }
 
@@ -296,7 +309,7 @@ impl Plant {
         let (t_v, _) = input.load_torque(p, grade, self.x[W], self.brake.direction());
         let load = Load::new(
             p,
-            Torques::from([input.t_e, 0.0, 0.0, t_v]),
+            self.with_synchronisers(p, Torques::from([input.t_e, 0.0, 0.0, t_v])),
             input.force,
             self.friction_factor(p),
             pressed,
@@ -319,18 +332,23 @@ impl Plant {
     fn accept(&mut self, systems: &Systems, rung: &Rung, block: &Block) {
         let work = rung.work(&block.z, &block.motion);
         self.work.engine += work[0];
-        self.work.friction[0] += work[1];
-        self.work.friction[1] += work[2];
+        for i in [0, 1] {
+            *if self.synchroniser[i] == Mode::Open {
+                &mut self.work.friction[i]
+            } else {
+                &mut self.work.synchroniser
+            } += work[1 + i];
+        }
         self.work.load += work[3];
         self.work.viscous += rung.viscous_loss(&block.z);
         self.x = block.x_end;
-        self.hold_ratios(systems);
+        self.hold_ratios(systems.rigid_ratio);
         project(systems, stuck_set(self.modes), &mut self.x);
     }
 
     /// Keeps ω_ci = g_i ω_o of rigid transfer shafts exact.
-    pub(crate) fn hold_ratios(&mut self, systems: &Systems) {
-        for (i, ratio) in systems.rigid_ratio.into_iter().enumerate() {
+    pub(crate) fn hold_ratios(&mut self, rigid_ratio: [f64; 2]) {
+        for (i, ratio) in rigid_ratio.into_iter().enumerate() {
             if ratio != 0.0 {
                 self.x[C + i] = ratio * self.x[O];
             }

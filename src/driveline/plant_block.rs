@@ -93,6 +93,7 @@ impl Block {
         let grade = plant.grade.at(input.phi);
         let (t_v, _) = input.load_torque(p, grade, plant.x[W], plant.brake.direction());
         let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
+        let v = plant.with_synchronisers(p, v);
         let v_dot = torques(p, plant.modes, factor, rate.t_e, rate.force, 0.0);
         let z = augmented(&plant.x, &v, &v_dot);
         let motion = rung.motion(&z);
@@ -118,12 +119,12 @@ impl Block {
     /// Whether a quick look proves that no guard is crossed; [`Self::events`] looks closely.
     ///
     /// A guard whose rate has one sign at both ends does not dip between them.
-    pub(crate) fn is_quiet(&self, p: &Params, rows: &Rows, modes: [Mode; 2], brake: Mode) -> bool {
+    pub(crate) fn is_quiet(&self, p: &Params, rows: &Rows, plant: &Plant) -> bool {
         let (x, v) = (self.start(), self.torques(0.0));
         let v_end = self.torques(self.t);
-        brake == Mode::Open
-            && [0, 1].into_iter().all(|i| match modes[i] {
-                Mode::Open => true,
+        plant.brake == Mode::Open
+            && [0, 1].into_iter().all(|i| match plant.modes[i] {
+                Mode::Open => plant.synchroniser[i] == Mode::Open,
                 Mode::Stuck => {
                     let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n * self.input.force[i];
                     let torque = rows.torque[i].of(&self.x_end, &v_end);
@@ -160,17 +161,12 @@ impl Block {
     }
 
     /// The worst crossing of any guard in the block, and the events found at its end.
-    pub(crate) fn events(
-        &self,
-        p: &Params,
-        systems: &Systems,
-        modes: [Mode; 2],
-        brake: Mode,
-    ) -> (Crossing, Event) {
+    pub(crate) fn events(&self, p: &Params, systems: &Systems, plant: &Plant) -> (Crossing, Event) {
         let mut worst = Crossing::None;
         let mut event = Event::default();
-        let start = self.guards(p, systems, modes, brake, 0.0);
-        let end = self.guards(p, systems, modes, brake, self.t);
+        let (modes, brake) = (plant.modes, plant.brake);
+        let start = self.guards(p, systems, plant, 0.0);
+        let end = self.guards(p, systems, plant, self.t);
         for i in [0, 1, 2] {
             let crossing = [0, 1].map(|k| start[i][k].crossing(end[i][k], self.t));
             let found = crossing.map(|crossing| crossing == Crossing::Found);
@@ -185,32 +181,25 @@ impl Block {
                 event.wheel_broken = found != [false; 2] && brake == Mode::Stuck;
                 continue;
             }
-            event.reached[i] = found[0] && modes[i] != Mode::Stuck;
+            event.reached[i] = found[0] && modes[i].direction() != 0.0;
             event.broken[i] = (found[0] || found[1]) && modes[i] == Mode::Stuck;
-            event.opened[i] = found[1] && modes[i] != Mode::Stuck;
+            event.opened[i] = found[1] && modes[i].direction() != 0.0;
+            event.synchronised[i] = found[0] && modes[i] == Mode::Open;
         }
         (worst, event)
     }
 
     /// Guards of both clutches and the brake at `t` = 0 or at the end of the block, shape (3, 2).
     ///
-    /// Slipping: slip in its direction, normal force. Stuck: capacity left forward and backward.
-    fn guards(
-        &self,
-        p: &Params,
-        systems: &Systems,
-        modes: [Mode; 2],
-        brake: Mode,
-        t: f64,
-    ) -> [[Guard; 2]; 3] {
+    /// Slipping: slip in its direction, normal force. Stuck: capacity left forward and backward. Open: what
+    /// the synchroniser has left to do.
+    fn guards(&self, p: &Params, systems: &Systems, plant: &Plant, t: f64) -> [[Guard; 2]; 3] {
+        let (modes, brake) = (plant.modes, plant.brake);
         let system = &systems.by_stuck[stuck_set(modes)];
         let (v_dot, v) = (self.torques_rate(), self.torques(t));
         let x: State = if t > 0.0 { self.x_end } else { self.start() };
         let rows = &system.rows;
-        let mut guards = [[Guard {
-            value: 0.0,
-            rate: 0.0,
-        }; 2]; 3];
+        let mut guards = [[Guard::QUIET; 2]; 3];
         if brake != Mode::Open {
             let input = if t > 0.0 {
                 &self.input_end
@@ -228,7 +217,12 @@ impl Block {
             );
             let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n;
             guards[i] = match modes[i] {
-                Mode::Open => continue,
+                Mode::Open if plant.synchroniser[i] == Mode::Open => continue,
+                Mode::Open => {
+                    let x_dot = system.derivative(&x, &v);
+                    let ratio = systems.synchroniser_ratio[i];
+                    [plant.synchroniser_guard(i, ratio, &x, &x_dot), Guard::QUIET]
+                }
                 Mode::Stuck => {
                     let torque = rows.torque[i].of(&x, &v);
                     let rate = rows.torque_rate[i].of(&x, &v) + rows.torque[i].of_torques(&v_dot);

@@ -26,9 +26,11 @@ impl Systems {
     pub(crate) const EMPTY: Self = Self {
         coupling: Coupling {
             gear: [0; 2],
+            synchronising: [false; 2],
             held: false,
         },
         rigid_ratio: [0.0; 2],
+        synchroniser_ratio: [0.0; 2],
         by_stuck: [System::EMPTY; 4],
         spring_torque: zeros(),
         viscous: zeros(),

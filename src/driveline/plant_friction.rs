@@ -13,6 +13,7 @@ use crate::integrate::Rung;
 use crate::plant::Plant;
 use crate::plant_block::Block;
 use crate::plant_matrices::{STATES, TORQUES, slip};
+use crate::plant_modes::Mode;
 use crate::plant_ports::{Input, InputRate};
 
 /// Newton steps on the ramps; between kinks of a curve each squares the error left.
@@ -52,10 +53,14 @@ impl Plant {
         [0, 1].map(|i| p.clutch[i].curve.at(slip[i].abs()).0)
     }
 
-    /// Friction torque [N·m] of clutch `i` at a slip, and its slope by it [N·m·s/rad]; 0 unless it slips.
+    /// Friction torque [N·m] of clutch `i` at a slip, and its slope by it [N·m·s/rad]; that of the
+    /// synchroniser, or 0, unless it slips.
     ///
     /// `force`: normal force [N]. `slip`: slip [rad/s].
     pub(crate) fn friction_at(&self, p: &Params, i: usize, force: f64, slip: f64) -> (f64, f64) {
+        if self.modes[i] == Mode::Open {
+            return (self.synchroniser_torque(p)[i], 0.0);
+        }
         let (direction, clutch) = (self.modes[i].direction(), &p.clutch[i]);
         let (factor, slope) = clutch.curve.at(direction * slip);
         let capacity = clutch.mu_k * force * clutch.r_c_n;

@@ -1,62 +1,125 @@
 //! Gears: what a changed preselection does to the driveline.
 //!
-//! A shaft whose clutch is open may take another gear. Its synchroniser brings it to the speed of the
-//! new gear at once, by one impulse that keeps momentum; what that costs is booked as
-//! [`Work::synchroniser`](crate::plant::Work::synchroniser).
+//! A shaft whose clutch is open may take another gear. The old one goes out, which cuts the shaft from the
+//! output; a synchroniser then rubs between the input shaft and the new gear with a Coulomb torque
+//! of constant size until both turn alike, and then the gear is in:
+//!
+//! ```text
+//! J_ct ω̇_c = −σ T_s,   J_o ω̇_o = … + σ g T_s,   σ = sgn(ω_c − g ω_o)      until ω_c = g ω_o
+//! ```
+//!
+//! That instant is located like the events of a clutch. T_s |ω_c − g ω_o| is booked as
+//! [`Work::synchroniser`](crate::plant::Work::synchroniser), with the elastic energy let go by a gear that goes
+//! out. A clutch that is pressed meanwhile turns the shaft against the synchroniser, which lets go: the
+//! shaft is in neutral, and is synchronised anew when the clutch is open again.
+//!
+//! Deviation: the paper changes no gears. See PAPER.md.
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant::Plant;
-use crate::plant_matrices::{C, O, SPEEDS, Systems, TWIST_T, mobility, slip_row};
-use crate::plant_modes::Mode;
+use crate::plant_matrices::{
+    C, O, SPEEDS, State, TWIST_T, Torques, mobility, rigid_ratio, slip_row, synchroniser_row,
+};
+use crate::plant_modes::{Guard, Mode, ZERO_SLIP};
+use crate::plant_ports::{Input, InputRate};
+use crate::plant_springs::stored_energy;
 
 /// One constraint per shaft on the six speeds, shape (6, 2); a column of zeros: none.
 type Constraints = SMatrix<f64, SPEEDS, 2>;
 
 impl Plant {
-    /// Gears that act when `requested` ones are preselected: a shaft keeps its gear while its clutch
-    /// transmits.
+    /// Gears that a step with these inputs has: a shaft keeps its gear while its clutch is pressed, and
+    /// is in neutral if the gear was not in yet.
     ///
-    /// `present`: gears that act now, shape (2).
-    pub fn gear_granted(&self, present: [i32; 2], requested: [i32; 2]) -> [i32; 2] {
+    /// `rate`: derivatives of the inputs. Returns what acts or is synchronised, shape (2).
+    pub fn gear_granted(&self, input: &Input, rate: &InputRate) -> [i32; 2] {
         [0, 1].map(|i| {
-            if self.modes[i] == Mode::Open {
-                requested[i]
+            let pressed = input.force[i] > 0.0 || rate.force[i] > 0.0;
+            if !pressed {
+                input.gear[i]
+            } else if self.synchroniser[i] == Mode::Open {
+                self.gear[i]
             } else {
-                present[i]
+                0
             }
         })
     }
 
-    /// Changes the gears that act from those of `from` to those of `to`.
-    ///
-    /// Only shafts with an open clutch may change: see [`Self::gear_granted`].
-    pub fn change_gear(&mut self, p: &Params, from: &Systems, to: &Systems) {
-        let before = from.stored_energy(&self.x);
-        let (old, new) = (from.coupling, to.coupling);
-        let changed = [0, 1].map(|i| old.gear[i] != new.gear[i]);
-        let gear = [0, 1].map(|i| if changed[i] { 0 } else { old.gear[i] });
-        self.synchronise(
-            &mobility(p, Coupling { gear, ..old }),
-            &self.constraints(p, to, changed),
-        );
-        for i in (0..2).filter(|i| changed[*i]) {
-            self.x[TWIST_T + i] = 0.0;
+    /// Gears that are in, shape (2); 0 in neutral and while a synchroniser rubs.
+    pub fn gear_in(&self) -> [i32; 2] {
+        self.coupling().gear_in()
+    }
+
+    /// What is connected to what.
+    pub fn coupling(&self) -> Coupling {
+        Coupling {
+            gear: self.gear,
+            synchronising: self.synchroniser.map(|mode| mode != Mode::Open),
+            held: self.brake == Mode::Stuck,
         }
-        self.hold_ratios(to);
-        self.work.synchroniser += before - to.stored_energy(&self.x);
+    }
+
+    /// Starts to change gears at the start of a step.
+    pub(crate) fn change_gears(&mut self, p: &Params, input: &Input, rate: &InputRate) {
+        let granted = self.gear_granted(input, rate);
+        if granted != self.gear {
+            self.take_out(p, granted);
+        }
+    }
+
+    /// Takes gears out and starts to synchronise their shafts to `gear`.
+    #[cold]
+    #[inline(never)]
+    fn take_out(&mut self, p: &Params, gear: [i32; 2]) {
+        let (before, g) = (self.stored_energy(p), p.g(gear));
+        let changed = [0, 1].map(|i| gear[i] != self.gear[i]);
+        for i in (0..2).filter(|i| changed[*i]) {
+            (self.gear[i], self.modes[i]) = (gear[i], Mode::Open);
+            self.x[TWIST_T + i] = 0.0;
+            let difference = self.x[C + i] - g[i] * self.x[O];
+            self.synchroniser[i] = if g[i] == 0.0 {
+                Mode::Open
+            } else {
+                Mode::slipping(difference)
+            };
+        }
+        self.work.synchroniser += before - self.stored_energy(p);
+        let turns_alike = |i: usize| (self.x[C + i] - g[i] * self.x[O]).abs() <= ZERO_SLIP;
+        let alike = [0, 1].map(|i| changed[i] && g[i] != 0.0 && turns_alike(i));
+        if alike != [false; 2] {
+            self.put_in(p, alike);
+        }
+    }
+
+    /// Puts in the gears of shafts that have been synchronised; the round-off left in their speeds goes by
+    /// impulses that keep momentum.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn put_in(&mut self, p: &Params, synchronised: [bool; 2]) {
+        let (before, coupling) = (self.stored_energy(p), self.coupling());
+        let rows = self.constraints(p, synchronised);
+        self.pull_together(&mobility(p, coupling), &rows);
+        for i in (0..2).filter(|i| synchronised[*i]) {
+            self.synchroniser[i] = Mode::Open;
+        }
+        self.hold_ratios(rigid_ratio(p, self.coupling()));
+        self.work.synchroniser += before - self.stored_energy(p);
+    }
+
+    fn stored_energy(&self, p: &Params) -> f64 {
+        stored_energy(p, self.coupling(), &self.x)
     }
 
     /// What holds at once: ω_ci = g_i ω_o where a gear comes in, ω_d = ω_ci where a clutch is engaged.
-    fn constraints(&self, p: &Params, to: &Systems, changed: [bool; 2]) -> Constraints {
-        let g = p.g(to.coupling.gear);
+    fn constraints(&self, p: &Params, synchronised: [bool; 2]) -> Constraints {
+        let g = p.g(self.gear);
         let mut rows = Constraints::zeros();
         for i in [0, 1] {
-            if changed[i] && g[i] != 0.0 {
-                rows[(C + i, i)] = 1.0;
-                rows[(O, i)] = -g[i];
+            if synchronised[i] {
+                rows.set_column(i, &synchroniser_row(i, g[i]));
             } else if self.modes[i] == Mode::Stuck {
                 rows.set_column(i, &slip_row(i));
             }
@@ -64,7 +127,7 @@ impl Plant {
         rows
     }
 
-    fn synchronise(&mut self, mobility: &SMatrix<f64, SPEEDS, SPEEDS>, rows: &Constraints) {
+    fn pull_together(&mut self, mobility: &SMatrix<f64, SPEEDS, SPEEDS>, rows: &Constraints) {
         let speeds: SVector<f64, SPEEDS> = self.x.fixed_rows::<SPEEDS>(0).into_owned();
         let mut coupling: Matrix2<f64> = rows.transpose() * mobility * rows;
         for i in [0, 1] {
@@ -76,104 +139,35 @@ impl Plant {
         let mut moved = self.x.fixed_rows_mut::<SPEEDS>(0);
         moved -= mobility * rows * impulse;
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::{C, O, Plant, Systems};
-    use crate::Params;
-    use crate::integrate::Propagators;
-    use crate::plant::{Input, InputRate};
-
-    const TWO_ODD_GEARS: [f64; 4] = [3.0, 1.4, 0.0, 0.0];
-    const DRIVE: Input = Input {
-        t_e: 50.0,
-        force: [3000.0, 0.0],
-        gear: [1, 0],
-        t_brake: 0.0,
-        phi: 0.0,
-    };
-
-    fn variants() -> [Params; 2] {
-        [false, true].map(|rigid| {
-            let i_t = [TWO_ODD_GEARS, Params::TABLE_1.i_t[1]];
-            Params {
-                rigid,
-                i_t,
-                ..Params::TABLE_1
-            }
-        })
-    }
-
-    fn driven(p: &Params, input: &Input, steps: u32) -> (Plant, Propagators) {
-        let mut propagators = Propagators::new(p, input.gear, 1e-3);
-        let mut plant = Plant::start(p, input, 90.0, 90.0 / 18.0 * p.road.r_w);
-        for _ in 0..steps {
-            plant.step(p, &mut propagators, input, &InputRate::default());
-        }
-        (plant, propagators)
-    }
-
-    #[test]
-    fn a_gear_comes_in_with_momentum_kept_and_energy_booked() {
-        for p in variants() {
-            let (mut plant, old) = driven(&p, &DRIVE, 500);
-            let mut new = Propagators::new(&p, [1, 2], 1e-3);
-            plant.change_gear(&p, &old.systems, &new.systems);
-            assert!((plant.x[C + 1] - p.g([1, 2])[1] * plant.x[O]).abs() < 1e-9);
-            assert!(plant.work.synchroniser > 0.0);
-            assert!(plant.slip()[0].abs() < 1e-12 && (plant.x[1] - plant.x[C]).abs() < 1e-9);
-            for _ in 0..500 {
-                plant.step(
-                    &p,
-                    &mut new,
-                    &Input {
-                        gear: [1, 2],
-                        ..DRIVE
-                    },
-                    &InputRate::default(),
-                );
-            }
-            let residual = plant.energy_residual(&new.systems).abs();
-            assert!(residual < 1e-9 * plant.work.engine, "{residual} J");
+    /// Speed difference that is left to the synchroniser of a shaft, > 0 until it is done, and its rate.
+    ///
+    /// `g`: total ratio of the gear that comes in [1]. `x_dot`: rate of the state `x`.
+    pub(crate) fn synchroniser_guard(&self, i: usize, g: f64, x: &State, x_dot: &State) -> Guard {
+        let left = |x: &State| self.synchroniser[i].direction() * (x[C + i] - g * x[O]);
+        Guard {
+            value: left(x),
+            rate: left(x_dot),
         }
     }
 
-    #[test]
-    fn a_shaft_changes_between_two_of_its_gears() {
-        for p in variants() {
-            let coast = Input {
-                force: [0.0; 2],
-                t_e: 0.0,
-                gear: [1, 2],
-                ..DRIVE
-            };
-            let (mut plant, old) = driven(&p, &coast, 100);
-            let momentum = |plant: &Plant| p.j_ct[0] * plant.x[C] / p.g([1, 2])[0];
-            let before = momentum(&plant);
-            let to = Systems::new(&p, [3, 2]);
-            plant.change_gear(&p, &old.systems, &to);
-            assert!((plant.x[C] - p.g([3, 2])[0] * plant.x[O]).abs() < 1e-9);
-            assert!(momentum(&plant) < before);
-            assert!(plant.energy_residual(&to).abs() < 1e-9 * to.stored_energy(&plant.x));
-        }
+    /// σ T_s of both shafts [N·m], shape (2); 0 where nothing is synchronised.
+    pub(crate) fn synchroniser_torque(&self, p: &Params) -> [f64; 2] {
+        [0, 1].map(|i| self.synchroniser[i].direction() * p.t_s[i])
     }
 
-    #[test]
-    fn a_shaft_keeps_its_gear_while_its_clutch_transmits() {
-        let p = Params::TABLE_1;
-        let (plant, _) = driven(&p, &DRIVE, 10);
-        assert_eq!(plant.gear_granted([1, 0], [3, 2]), [1, 2]);
+    /// Power lost in the synchronisers [W].
+    pub(crate) fn synchroniser_power(&self, p: &Params) -> f64 {
+        let (g, torque) = (p.g(self.gear), self.synchroniser_torque(p));
+        let power = |i: usize| torque[i] * (self.x[C + i] - g[i] * self.x[O]);
+        power(0) + power(1)
     }
 
-    #[test]
-    fn the_same_gears_change_nothing() {
-        for p in variants() {
-            let (mut plant, old) = driven(&p, &DRIVE, 50);
-            let before = plant;
-            plant.change_gear(&p, &old.systems, &old.systems);
-            assert!((plant.x - before.x).amax() < 1e-12);
-            assert!(plant.work.synchroniser.abs() < 1e-9);
-        }
+    /// Adds the torques of synchronisers to those of open clutches, whose place they take.
+    pub(crate) fn with_synchronisers(&self, p: &Params, mut v: Torques) -> Torques {
+        let [one, two] = self.synchroniser_torque(p);
+        v[1] += one;
+        v[2] += two;
+        v
     }
 }

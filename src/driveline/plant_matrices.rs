@@ -7,12 +7,16 @@
 //! Springs act through the transpose of the row that reads their rate of twist, and inertias through
 //! the mobility W = Q (Qᵀ J Q)⁻¹ Qᵀ, where speeds = Q·(free speeds). So the rigid variant, with
 //! ω_ci = g_i ω_o, differs from the compliant one in W alone.
+//!
+//! While a shaft is synchronised its clutch is open, so its entry of v is free: it carries the torque of
+//! the synchroniser, which acts on ω_ci − g_i ω_o in place of the slip.
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
 pub use crate::plant_rows::{Row, Rows};
+use crate::plant_springs::{Spring, spring_torque, springs, storage, viscous};
 
 /// Number of states: ω_e ω_d ω_c1 ω_c2 ω_o ω_w, then the twists of damper, transfer shafts, drive
 /// shaft.
@@ -45,14 +49,6 @@ pub const TWIST_O: usize = 9;
 pub type State = SVector<f64, STATES>;
 /// T_e, T_c1, T_c2, T_v [N·m], shape (4).
 pub type Torques = SVector<f64, TORQUES>;
-
-/// One torsional spring-damper: T = k·twist + c·rate, rate = `rate`·speeds.
-#[derive(Debug, Clone, Copy)]
-struct Spring {
-    rate: SVector<f64, SPEEDS>,
-    k: f64,
-    c: f64,
-}
 
 /// The driveline with one choice of engaged clutches.
 #[derive(Debug, Clone, Copy)]
@@ -90,6 +86,8 @@ pub struct Systems {
     pub coupling: Coupling,
     /// ω_ci = g_i ω_o holds exactly; 0 where it does not (compliant, neutral), shape (2).
     pub rigid_ratio: [f64; 2],
+    /// g_i of the gear that a shaft is synchronised to; 0 where none is, shape (2).
+    pub synchroniser_ratio: [f64; 2],
     /// By engaged clutches: none, clutch 1, clutch 2, both.
     pub by_stuck: [System; 4],
     /// Damper, transfer shafts 1 and 2, drive shaft: rows that read their torque, shape (4, 10).
@@ -108,6 +106,14 @@ pub(crate) fn slip_row(clutch: usize) -> SVector<f64, SPEEDS> {
     row
 }
 
+/// Row that reads ω_ci − g_i ω_o from the speeds, shape (6).
+pub(crate) fn synchroniser_row(shaft: usize, g: f64) -> SVector<f64, SPEEDS> {
+    let mut row = SVector::zeros();
+    row[C + shaft] = 1.0;
+    row[O] = -g;
+    row
+}
+
 /// ω_d − ω_ci [rad/s], shape (2).
 pub fn slip(x: &State) -> [f64; 2] {
     [x[D] - x[C], x[D] - x[C + 1]]
@@ -117,15 +123,15 @@ impl Systems {
     /// Matrices of the driveline with what is connected; two gears stand for turning wheels.
     pub fn new(p: &Params, coupling: impl Into<Coupling>) -> Self {
         let coupling = coupling.into();
-        let gear = coupling.gear;
-        let springs = springs(p, gear);
+        let springs = springs(p, coupling.gear_in());
         let mobility = mobility(p, coupling);
-        let (a, b) = open_driveline(&springs, &mobility);
-        let stuck = |set: usize| engaged_driveline(&a, &b, &mobility, set);
-        let g = p.g(gear);
+        let synchroniser_ratio = synchroniser_ratio(p, coupling);
+        let (a, b) = open_driveline(&springs, &mobility, synchroniser_ratio);
+        let stuck = |set| engaged_driveline(&a, &b, &mobility, coupling.engageable(set));
         Self {
             coupling,
-            rigid_ratio: if p.rigid { g } else { [0.0; 2] },
+            rigid_ratio: rigid_ratio(p, coupling),
+            synchroniser_ratio,
             by_stuck: [stuck(0), stuck(1), stuck(2), stuck(3)],
             spring_torque: spring_torque(&springs),
             viscous: viscous(&springs),
@@ -139,45 +145,19 @@ impl Systems {
     }
 }
 
-fn springs(p: &Params, gear: [i32; 2]) -> [Spring; 4] {
-    let between = |from: usize, to: usize| {
-        let mut rate = SVector::zeros();
-        rate[from] = 1.0;
-        rate[to] = -1.0;
-        rate
-    };
-    let transfer = |shaft: usize| {
-        let mut rate = SVector::zeros();
-        let i_t = p.i_t(shaft, gear[shaft]);
-        if p.rigid || i_t == 0.0 {
-            return Spring {
-                rate,
-                k: 0.0,
-                c: 0.0,
-            };
-        }
-        rate[C + shaft] = 1.0 / i_t;
-        rate[O] = -p.i_f[shaft];
-        Spring {
-            rate,
-            k: p.k_t[shaft],
-            c: p.c_t[shaft],
-        }
-    };
-    [
-        Spring {
-            rate: between(E, D),
-            k: p.k_d,
-            c: p.c_d,
-        },
-        transfer(0),
-        transfer(1),
-        Spring {
-            rate: between(O, W),
-            k: p.k_o,
-            c: p.c_o,
-        },
-    ]
+/// g_i of the gear in where transfer shafts are rigid, else 0, shape (2).
+pub(crate) fn rigid_ratio(p: &Params, coupling: Coupling) -> [f64; 2] {
+    if p.rigid {
+        p.g(coupling.gear_in())
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// g_i of the gear that a shaft is synchronised to; 0 where none is, shape (2).
+fn synchroniser_ratio(p: &Params, coupling: Coupling) -> [f64; 2] {
+    let g = p.g(coupling.gear);
+    [0, 1].map(|i| if coupling.synchronising[i] { g[i] } else { 0.0 })
 }
 
 /// W: accelerations = W·(torques on the six inertias), shape (6, 6).
@@ -190,7 +170,7 @@ pub(crate) fn mobility(p: &Params, coupling: Coupling) -> SMatrix<f64, SPEEDS, S
     if !p.rigid {
         return mobility;
     }
-    let g = p.g(coupling.gear);
+    let g = p.g(coupling.gear_in());
     let mut moves = SVector::<f64, SPEEDS>::zeros();
     moves[O] = 1.0;
     for shaft in [0, 1] {
@@ -205,7 +185,11 @@ pub(crate) fn mobility(p: &Params, coupling: Coupling) -> SMatrix<f64, SPEEDS, S
 
 type Open = (SMatrix<f64, STATES, STATES>, SMatrix<f64, STATES, TORQUES>);
 
-fn open_driveline(springs: &[Spring; 4], mobility: &SMatrix<f64, SPEEDS, SPEEDS>) -> Open {
+fn open_driveline(
+    springs: &[Spring; 4],
+    mobility: &SMatrix<f64, SPEEDS, SPEEDS>,
+    synchroniser_ratio: [f64; 2],
+) -> Open {
     let mut a = SMatrix::<f64, STATES, STATES>::zeros();
     let torque = spring_torque(springs);
     for (j, spring) in springs.iter().enumerate() {
@@ -217,8 +201,14 @@ fn open_driveline(springs: &[Spring; 4], mobility: &SMatrix<f64, SPEEDS, SPEEDS>
     }
     let mut acts = SMatrix::<f64, SPEEDS, TORQUES>::zeros();
     acts[(E, 0)] = 1.0;
-    acts.set_column(1, &-slip_row(0));
-    acts.set_column(2, &-slip_row(1));
+    for (i, ratio) in synchroniser_ratio.into_iter().enumerate() {
+        let acting = if ratio == 0.0 {
+            slip_row(i)
+        } else {
+            synchroniser_row(i, ratio)
+        };
+        acts.set_column(1 + i, &-acting);
+    }
     acts[(W, 3)] = -1.0;
     let mut b = SMatrix::<f64, STATES, TORQUES>::zeros();
     b.fixed_rows_mut::<SPEEDS>(0).copy_from(&(mobility * acts));
@@ -277,33 +267,6 @@ fn inverse_of_stuck(m: &Matrix2<f64>, stuck: [bool; 2]) -> Matrix2<f64> {
                 .into(),
         ),
     }
-}
-
-fn spring_torque(springs: &[Spring; 4]) -> SMatrix<f64, 4, STATES> {
-    let mut rows = SMatrix::<f64, 4, STATES>::zeros();
-    for (j, spring) in springs.iter().enumerate() {
-        rows.fixed_view_mut::<1, SPEEDS>(j, 0)
-            .copy_from(&(spring.c * spring.rate.transpose()));
-        rows[(j, TWIST_D + j)] = spring.k;
-    }
-    rows
-}
-
-fn viscous(springs: &[Spring; 4]) -> SMatrix<f64, STATES, STATES> {
-    let mut form = SMatrix::<f64, STATES, STATES>::zeros();
-    for spring in springs {
-        let mut speeds = form.fixed_view_mut::<SPEEDS, SPEEDS>(0, 0);
-        speeds += spring.c * spring.rate * spring.rate.transpose();
-    }
-    form
-}
-
-fn storage(p: &Params, springs: &[Spring; 4]) -> State {
-    let [damper, shaft_1, shaft_2, drive] = springs.map(|spring| spring.k);
-    let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
-    State::from([
-        j[0], j[1], j[2], j[3], j[4], j[5], damper, shaft_1, shaft_2, drive,
-    ])
 }
 
 #[cfg(test)]

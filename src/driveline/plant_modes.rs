@@ -60,6 +60,8 @@ pub struct Event {
     pub broken: [bool; 2],
     /// The normal force came to zero, shape (2).
     pub opened: [bool; 2],
+    /// A shaft came to the speed of the gear that it is synchronised to, shape (2).
+    pub synchronised: [bool; 2],
     /// The wheel speed came to zero under the brake.
     pub wheel_reached: bool,
     /// The torque on held wheels went beyond what the brake holds.
@@ -94,6 +96,12 @@ pub enum Crossing {
 }
 
 impl Guard {
+    /// A guard that nothing happens to.
+    pub(crate) const QUIET: Self = Self {
+        value: 0.0,
+        rate: 0.0,
+    };
+
     /// Compares the guard at both ends of an interval of `t` [s].
     ///
     /// A dip lies above the two end tangents where it is convex, so it is safe when they meet above zero.
@@ -117,7 +125,7 @@ impl Guard {
 /// Normal forces and torques at the instant at which modes are chosen.
 #[derive(Debug, Clone, Copy)]
 pub struct Load {
-    /// T_e, and T_v with the brake [N·m]; entries of the clutches are not used.
+    /// T_e, what acts in place of open clutches, and T_v with the brake [N·m].
     pub torques: Torques,
     /// Friction torque of each slipping clutch, μ_k φ F_n r_c N [N·m], shape (2).
     pub kinetic: [f64; 2],
@@ -148,7 +156,7 @@ impl Load {
     /// v with the friction torques of slipping clutches, shape (4).
     fn torques_in(&self, modes: [Mode; 2]) -> Torques {
         let mut v = self.torques;
-        for i in [0, 1] {
+        for i in (0..2).filter(|i| modes[*i] != Mode::Open) {
             v[1 + i] = modes[i].direction() * self.kinetic[i];
         }
         v

@@ -52,7 +52,7 @@ pub struct Work {
     pub friction: [f64; 2],
     /// Lost in dampers and shafts.
     pub viscous: f64,
-    /// Lost in synchronisers when gears change, elastic energy let go included.
+    /// Lost in synchronisers, elastic energy let go by gears that go out included.
     pub synchroniser: f64,
     /// Done against road load and brake.
     pub load: f64,
@@ -117,6 +117,10 @@ pub struct Output {
     pub friction_power: [f64; 2],
     /// Friction energy since the start [J], shape (2).
     pub friction_energy: [f64; 2],
+    /// A gear is preselected that is not in yet: its synchroniser rubs, shape (2).
+    pub synchronising: [bool; 2],
+    /// Energy lost in synchronisers since the start [J].
+    pub synchroniser_energy: f64,
     /// Energy balance since the start: work in − stored − lost [J]; 0 but for round-off.
     pub energy_residual: f64,
 }

@@ -50,7 +50,7 @@ impl Plant {
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(dx);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
             let omega_c_dot = system.derivative(dx, &dv)[C + i];
-            t_t[i] = p.i_t(i, systems.coupling.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+            t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
         }
         Output {
             omega_e: dx[E],
@@ -84,9 +84,11 @@ impl Plant {
         let now = self.outputs(p, systems, input);
         let factor = self.friction_factor(p);
         let v = torques(p, self.modes, factor, input.t_e, input.force, now.t_v);
+        let v = self.with_synchronisers(p, v);
         let x_dot = systems.by_stuck[stuck_set(self.modes)].derivative(&self.x, &v);
         Output {
             friction_energy: now.friction_power,
+            synchroniser_energy: self.synchroniser_power(p),
             ..self.tangent(p, systems, input, &x_dot, rate)
         }
     }
@@ -129,6 +131,7 @@ mod tests {
     use crate::integrate::Propagators;
     use crate::plant::{ClutchState, Input, InputRate, Output, Plant};
     use crate::plant_matrices::State;
+    use crate::plant_modes::Mode;
 
     /// Of the largest value; the differences below are exact but for round-off where y is linear in u.
     const ROUND_OFF: f64 = 1e-6;
@@ -210,13 +213,22 @@ mod tests {
                 };
                 let start = Plant::start(&p, &input, omega_e, 0.6);
                 check(&p, &input, start, states);
+                if force[1] == 0.0 {
+                    let neutral = Input {
+                        gear: [1, 0],
+                        ..input
+                    };
+                    let start = Plant::start(&p, &neutral, omega_e, 0.6);
+                    let rubbing = check(&p, &input, start, states);
+                    assert_eq!(rubbing.synchroniser[1], Mode::Backward);
+                }
             }
         }
     }
 
-    fn check(p: &Params, input: &Input, mut plant: Plant, states: [ClutchState; 2]) {
+    fn check(p: &Params, input: &Input, mut plant: Plant, states: [ClutchState; 2]) -> Plant {
         let mut propagators = Propagators::new(p, input.gear, 1e-6);
-        for _ in 0..20 {
+        for _ in 0..200 {
             plant.step(p, &mut propagators, input, &InputRate::default());
         }
         let systems = propagators.systems;
@@ -244,6 +256,7 @@ mod tests {
         });
         // Second order in 42 673 1/s · 1 µs, the fastest eigenvalue times the step.
         close(&rates, &found, 2e-3, 99);
+        plant
     }
 
     fn close(ours: &[f64; 18], theirs: &[f64; 18], share: f64, what: usize) {

@@ -19,6 +19,20 @@ const DRY_7_FINAL: f64 = 4.438;
 /// Final-drive ratio of output shaft 2 (gears 5-7) by that of output shaft 1 [1].
 const DRY_7_UPPER: f64 = 3.227 / DRY_7_FINAL;
 
+/// Acceleration of an input shaft by its synchroniser [rad/s²].
+///
+/// `assumed:` 160 rad/s, about an upshift by two gears at 2500 rpm, in 80 ms.
+const SYNCHRONISER_RATE: f64 = 2000.0;
+/// J_ct of [`Params::WET_6`] [kg·m²].
+const WET_6_SHAFTS: [f64; 2] = [0.0023 + 3.0 * 0.001, 0.0009 + 3.0 * 0.001];
+/// J_ct of [`Params::DRY_7`] [kg·m²].
+const DRY_7_SHAFTS: [f64; 2] = [0.012, 0.010];
+
+/// T_s of shafts with these inertias [N·m].
+const fn synchroniser(j_ct: [f64; 2]) -> [f64; 2] {
+    [SYNCHRONISER_RATE * j_ct[0], SYNCHRONISER_RATE * j_ct[1]]
+}
+
 impl Params {
     /// Preset `wet6`: six gears, wet clutches moved by pressure.
     ///
@@ -27,10 +41,12 @@ impl Params {
     /// radius 130 mm × 4 surfaces, piston area, μ_k, μ_s, mass, r_w, A_v, C_D. Inertias behind the final
     /// drive are seen through its ratio, and J_v is M_v r_w² and four tyres. The return force is its
     /// pressure below which a clutch is open (5 bar) times the piston area.
-    /// `assumed:` k_d, c_d, J_d, k_t, c_t, k_o, c_o as in Table 1; ρ_air, C_rr as in preset `paper`.
+    /// `assumed:` k_d, c_d, J_d, k_t, c_t, k_o, c_o as in Table 1; ρ_air, C_rr as in preset `paper`;
+    /// T_s turns a shaft by 160 rad/s in 80 ms.
     pub const WET_6: Self = Self {
         j_e: 0.2,
-        j_ct: [0.0023 + 3.0 * 0.001, 0.0009 + 3.0 * 0.001],
+        j_ct: WET_6_SHAFTS,
+        t_s: synchroniser(WET_6_SHAFTS),
         i_t: [[3.78, 1.43, 0.935, 0.0], [2.18, 1.03, 0.84, 0.0]],
         i_f: [3.7, 3.7],
         j_o: 0.008 * 3.7 * 3.7 + 0.01,
@@ -55,12 +71,13 @@ impl Params {
     /// (3.765 2.273 1.531 1.122 1.176 0.951 0.795, reverse 4.17, final drives 4.438 and 3.227); here both
     /// shafts have the final drive of output shaft 1, so the ratios of gears 5-7 and R are theirs times
     /// 3.227/4.438.
-    /// `assumed:` everything else, a compact car of 1320 kg: J_e, J_d, J_ct, J_o, vehicle, and r_c N as two
-    /// surfaces at 97.5 mm; k_d, c_d, k_t, c_t, k_o, c_o, the maps and the road as in preset `paper`.
+    /// `assumed:` everything else, a compact car of 1320 kg: J_e, J_d, J_ct, J_o, vehicle, T_s, and r_c N as
+    /// two surfaces at 97.5 mm; k_d, c_d, k_t, c_t, k_o, c_o, the maps and the road as in preset `paper`.
     pub const DRY_7: Self = Self {
         j_e: 0.15,
         j_d: 0.05,
-        j_ct: [0.012, 0.010],
+        j_ct: DRY_7_SHAFTS,
+        t_s: synchroniser(DRY_7_SHAFTS),
         i_t: [
             [3.765, 1.531, 1.176 * DRY_7_UPPER, 0.795 * DRY_7_UPPER],
             [2.273, 1.122, 0.951 * DRY_7_UPPER, 0.0],

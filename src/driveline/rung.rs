@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! rows 0..10   x(t) − x(0)
-//! rows 10..14  ∫ ω dτ     of ω_e, slip 1, slip 2, ω_w: what T_e, T_c1, T_c2, T_v work on
+//! rows 10..14  ∫ ω dτ     of ω_e, slip 1, slip 2, ω_w: what T_e, T_c1, T_c2, T_v work on; of a shaft
+//!                         that is synchronised ω_c − g ω_o in place of the slip
 //! rows 14..18  ∫ τ ω dτ   of the same
 //! ```
 //!
@@ -19,7 +20,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::plant_matrices::{
-    AUGMENTED, C, D, E, SPEEDS, STATES, State, System, TORQUES, Torques, W,
+    AUGMENTED, C, D, E, O, SPEEDS, STATES, State, System, Systems, TORQUES, Torques, W,
 };
 use crate::rung_loss::Loss;
 
@@ -190,7 +191,8 @@ pub(crate) struct Builder {
 impl Builder {
     /// A rung of a span [s] with ‖A t‖ ≤ 0.05, by series; losses by Gauss' rule of order 6.
     #[inline(never)] // its stack is free again when the doublings need theirs
-    pub(crate) fn base(system: &System, viscous: &SMatrix<f64, STATES, STATES>, t: f64) -> Self {
+    pub(crate) fn base(systems: &Systems, set: usize, t: f64) -> Self {
+        let (system, ratio) = (&systems.by_stuck[set & 3], systems.synchroniser_ratio);
         let mut new = Self {
             t,
             columns: [[0.0; ROWS]; AUGMENTED],
@@ -199,11 +201,11 @@ impl Builder {
         let nodes = gauss();
         let mut at_nodes = nodes.map(|_| identity());
         let mut term = first_term(system, t);
-        add_worked(&mut new.columns, &identity(), [t, 0.5 * t * t]);
+        add_worked(&mut new.columns, &identity(), ratio, [t, 0.5 * t * t]);
         for k in 1..=SERIES_TERMS {
             let order = f64::from(k);
             let integrals = [t / (order + 1.0), t * t / (order + 2.0)];
-            add_worked(&mut new.columns, &term, integrals);
+            add_worked(&mut new.columns, &term, ratio, integrals);
             for (column, term) in new.columns.iter_mut().zip(&term) {
                 (0..STATES).for_each(|i| column[i] += term[i]);
             }
@@ -217,7 +219,7 @@ impl Builder {
             term = next_term(system, &term, t, order + 1.0);
         }
         for ((_, weight), psi) in nodes.iter().zip(&at_nodes) {
-            add_loss(&mut new.loss, viscous, psi, weight * t);
+            add_loss(&mut new.loss, &systems.viscous, psi, weight * t);
         }
         new
     }
@@ -325,9 +327,18 @@ fn next_term(system: &System, term: &Columns<STATES>, t: f64, k: f64) -> Columns
 }
 
 /// Adds the worked speeds of a term to angles and moments, with the factors of both.
-fn add_worked(columns: &mut Columns<ROWS>, term: &Columns<STATES>, factor: [f64; 2]) {
+fn add_worked(
+    columns: &mut Columns<ROWS>,
+    term: &Columns<STATES>,
+    synchroniser_ratio: [f64; 2],
+    factor: [f64; 2],
+) {
     for (column, x) in columns.iter_mut().zip(term) {
-        let worked = [x[E], x[D] - x[C], x[D] - x[C + 1], x[W]];
+        let [one, two] = [0, 1].map(|i| match synchroniser_ratio[i] {
+            0.0 => x[D] - x[C + i],
+            g => x[C + i] - g * x[O],
+        });
+        let worked = [x[E], one, two, x[W]];
         for (q, speed) in worked.into_iter().enumerate() {
             column[ANGLE + q] += factor[0] * speed;
             column[MOMENT + q] += factor[1] * speed;

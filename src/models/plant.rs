@@ -14,12 +14,18 @@ use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
-use dct_driveline::plant_matrices::{State, Systems, W};
+use dct_driveline::plant_matrices::{State, W};
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use propagation::{OneStep, Propagation};
 
 /// What has a mode, in the order of `all_modes`.
-const PARTS: [&str; 3] = ["clutch 1", "clutch 2", "brake"];
+const PARTS: [&str; 5] = [
+    "clutch 1",
+    "clutch 2",
+    "brake",
+    "synchroniser 1",
+    "synchroniser 2",
+];
 
 /// What an importer sets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,8 +55,6 @@ pub struct Plant {
     u_rate: Inputs,
     /// Gears asked for, as the importer set them.
     gear: [i32; 2],
-    /// Gears that act.
-    acting: [i32; 2],
     /// Gears that were refused last, so that each refusal is logged once.
     refused: [i32; 2],
     state: driveline::Plant,
@@ -78,7 +82,6 @@ impl Default for Plant {
             u: Inputs::default(),
             u_rate: Inputs::default(),
             gear,
-            acting: gear,
             refused: gear,
             state: driveline::Plant::AT_REST,
             y,
@@ -104,7 +107,7 @@ impl Plant {
         driveline::Input {
             t_e: self.u.engine_torque,
             force: self.force(self.u.position, self.u.pressure),
-            gear: self.acting,
+            gear: self.gear,
             t_brake: self.u.brake_torque,
             phi: self.u.grade,
         }
@@ -152,33 +155,31 @@ impl Plant {
         }
     }
 
-    /// Takes the gears asked for on shafts whose clutch is open; logs each refusal once.
-    fn change_gears(&mut self, time: f64, log: &mut Log<'_>) {
-        let granted = self.state.gear_granted(self.acting, self.gear);
+    /// Logs which preselected gears are ignored, each once, and which ones are taken.
+    fn tell_gears(
+        &mut self,
+        input: &driveline::Input,
+        rate: &InputRate,
+        time: f64,
+        log: &mut Log<'_>,
+    ) {
+        let granted = self.state.gear_granted(input, rate);
         for i in (0..2).filter(|i| granted[*i] != self.gear[*i]) {
-            if self.refused[i] != self.gear[i] {
+            let dropped = granted[i] != self.state.gear[i];
+            if dropped || self.refused[i] != self.gear[i] {
                 log.warning(format_args!(
                     "t = {time} s: shaft{}.gear = {} is ignored while clutch {} transmits; gear {} stays",
-                    i + 1, self.gear[i], i + 1, self.acting[i]
+                    i + 1, self.gear[i], i + 1, granted[i]
                 ));
             }
         }
         self.refused = self.gear;
-        if granted != self.acting {
-            self.take_gears(granted);
+        if granted != self.state.gear {
             log.event(format_args!(
                 "t = {time} s: gears {:?} become {granted:?}",
-                self.acting
+                self.state.gear
             ));
-            self.acting = granted;
         }
-    }
-
-    #[inline(never)] // other steps need not have stack for its matrices
-    fn take_gears(&mut self, granted: [i32; 2]) {
-        let [from, to] =
-            [self.acting, granted].map(|gear| Systems::new(&self.p, self.state.coupling(gear)));
-        self.state.change_gear(&self.p, &from, &to);
     }
 
     /// V [m/s].
@@ -188,7 +189,7 @@ impl Plant {
 
     /// Gets hold of the propagators of the usual step, and of room for others.
     fn find_propagators(&mut self) {
-        let coupling = self.state.coupling(self.acting);
+        let coupling = self.state.coupling();
         self.propagation
             .of(&self.p, coupling, Self::EXPERIMENT.step);
         self.propagation.make_room();
@@ -196,7 +197,7 @@ impl Plant {
 
     /// Outputs with the inputs at the communication point.
     fn read_outputs(&mut self, input: &driveline::Input) {
-        let coupling = self.state.coupling(self.acting);
+        let coupling = self.state.coupling();
         let systems = self.propagation.systems(&self.p, coupling);
         self.y = self.state.outputs(&self.p, systems, input);
         self.clutch_state = self.y.state.map(|state| state as i32);
@@ -241,12 +242,12 @@ impl Model for Plant {
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
         check_maps(&self.p)?;
-        (self.acting, self.refused) = (self.gear, self.gear);
+        self.refused = self.gear;
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
         let step = Self::EXPERIMENT.step;
         self.propagation.clear();
-        let free = self.propagation.of(&self.p, self.acting.into(), step);
+        let free = self.propagation.of(&self.p, self.gear.into(), step);
         self.state = driveline::Plant::start_with(&self.p, &free.systems, &input, omega_e, v);
         self.find_propagators();
         self.jerk_filter = JerkFilter::at(v);
@@ -256,9 +257,9 @@ impl Model for Plant {
 
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         check_step(step, table::LONGEST_STEP)?;
-        self.change_gears(time, log);
         let input = self.input();
         let rate = self.rate(&input, step);
+        self.tell_gears(&input, &rate, time, log);
         let speed = self.speed();
         let mut ladders = OneStep {
             propagation: &mut self.propagation,
@@ -266,7 +267,7 @@ impl Model for Plant {
         };
         self.state
             .step_observed(&self.p, &mut ladders, &input, &rate, |after, from, to| {
-                for i in (0..3).filter(|i| from[*i] != to[*i]) {
+                for i in (0..PARTS.len()).filter(|i| from[*i] != to[*i]) {
                     let (at, part) = (time + after, PARTS[i]);
                     log.event(format_args!(
                         "t = {at} s: {part} {:?} -> {:?}",
@@ -286,7 +287,7 @@ impl Model for Plant {
 
     fn tangent(&mut self, direction: &mut Self) {
         let (input, du) = (self.input(), self.input_change(&direction.u));
-        let coupling = self.state.coupling(self.acting);
+        let coupling = self.state.coupling();
         let systems = self.propagation.systems(&self.p, coupling);
         direction.y = self
             .state
@@ -295,7 +296,7 @@ impl Model for Plant {
 
     fn update_slopes(&mut self) {
         let (input, rate) = (self.input(), self.input_change(&self.u_rate));
-        let coupling = self.state.coupling(self.acting);
+        let coupling = self.state.coupling();
         let systems = self.propagation.systems(&self.p, coupling);
         self.y_rate = self.state.output_rates(&self.p, systems, &input, &rate);
         let (v, acceleration) = (self.speed(), self.y.vehicle_acceleration);
@@ -304,10 +305,16 @@ impl Model for Plant {
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
-        let gears = self.acting.iter_mut().chain(&mut self.refused);
+        let gears = self.state.gear.iter_mut().chain(&mut self.refused);
         gears.for_each(|gear| fields.integer(gear));
         fields.reals(self.state.x.as_mut_slice());
-        for mode in self.state.modes.iter_mut().chain([&mut self.state.brake]) {
+        let driveline::Plant {
+            modes,
+            brake,
+            synchroniser,
+            ..
+        } = &mut self.state;
+        for mode in modes.iter_mut().chain([brake]).chain(synchroniser) {
             let mut code = *mode as i32;
             fields.integer(&mut code);
             *mode = table::mode(code);
@@ -334,7 +341,8 @@ impl Model for Plant {
 
 #[cfg(test)]
 mod tests {
-    use super::{Output, Params, Plant, Systems, driveline};
+    use super::{Output, Params, Plant, driveline};
+    use dct_driveline::plant_matrices::Systems;
 
     #[test]
     fn a_fresh_plant_is_one_that_started_at_rest() {

@@ -12,7 +12,7 @@ pub(crate) trait Vehicle: 'static {
 }
 
 /// Smallest value of what has to be above zero: inertias, stiffnesses, lengths.
-const POSITIVE: f64 = 1e-9;
+pub(crate) const POSITIVE: f64 = 1e-9;
 
 /// A parameter that has to be above zero.
 const fn positive<M: Vehicle>(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from hybrid import Simulation
 from reference_plant import Params, Plant
 from scenarios import Scenario, continuous_pieces, held_pieces
+from shifts import ShiftingSimulation
 
 LONGEST = 1e-3  # [s] longest smooth piece; see README.md for the error this leaves
 
@@ -15,7 +16,8 @@ LONGEST = 1e-3  # [s] longest smooth piece; see README.md for the error this lea
 class Case:
     """One run: scenario, start values and how the inputs are applied.
 
-    `h` [s] is the communication step of the held inputs, None for the knots as they are.
+    `h` [s] is the communication step of the held inputs, None for the knots as they are. `gears`
+    are knots (t [s], (odd, even)) of what is preselected from then on.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Case:
     about: str = ""
     scenario_file: str = ""
     params: dict = field(default_factory=dict)
+    gears: tuple = ((0.0, (1, 2)),)
 
     def pieces(self, params, longest=LONGEST):
         """Smooth pieces of the run, an iterator of `Piece`, and how many there are."""
@@ -39,8 +42,11 @@ class Case:
 
     def simulation(self, stages=None):
         """A simulation at its start."""
-        plant = Plant(Params(rigid=self.rigid, **self.params))
-        return Simulation(plant, self.scenario, self.engine_speed, self.vehicle_speed, stages)
+        params = Params(rigid=self.rigid, **self.params)
+        run = self.scenario, self.engine_speed, self.vehicle_speed, stages
+        if len(self.gears) > 1:
+            return ShiftingSimulation(params, self.gears, *run)
+        return Simulation(Plant(params.in_gears(self.gears[0][1])), *run)
 
 
 def mm(*knots):

@@ -29,6 +29,8 @@ SLIP_TOL, TORQUE_TOL = 1e-12, 1e-9  # [rad/s], [N·m] round-off of a guard that 
 class Simulation:
     """One run of a plant. Call `run`; then read `rows`, `events`, `energy`."""
 
+    guards = LINES + 2  # clutches, brake and the curves of the clutches
+
     def __init__(self, plant, scenario, engine_speed, vehicle_speed, stages=None):
         self.plant, self.scenario, self.stages = plant, scenario, stages
         self.x = plant.start(engine_speed, vehicle_speed)
@@ -42,6 +44,7 @@ class Simulation:
         """Advance over all `pieces`; the first row is at the start."""
         for piece in pieces:
             self.piece = piece
+            self._shift(piece.start)
             self._resolve(piece.start, 0.0)
             if self.at_start:
                 self.events.clear()
@@ -61,6 +64,9 @@ class Simulation:
         out["residual"] = float(self.work[0] - stored - self.work[1:].sum())
         return out
 
+    def _shift(self, time):
+        """Change gears at an input sample: `shifts.py`."""
+
     # ---- inputs ----
 
     def _inputs(self, offset):
@@ -75,7 +81,7 @@ class Simulation:
     def _forcing(self, mode, offset, x):
         """T_e and the friction torques at states `x`, shape (..., 4)."""
         torque, force, *_ = self._inputs(offset)
-        v = np.zeros((*np.shape(offset), 4))
+        v = np.zeros((*np.shape(offset), 6))
         v[..., 0] = torque
         p = self.plant.p
         for i in range(2):
@@ -285,7 +291,7 @@ class Simulation:
         states = np.vstack([self.x, xs])
         vp = np.vstack([v[0], prop.forcing_map @ v])
         hits = []
-        for i in range(LINES + 2):
+        for i in range(self.guards):
             guard = self._guard(i, states, vp, done + grid * prop.h)
             if guard is None:
                 continue

@@ -7,13 +7,20 @@ import csv
 import json
 from pathlib import Path
 
+import numpy as np
 from golden_cases import PAPER_CASES
 from small_cases import SMALL_CASES
 from tqdm import tqdm
 
 CASES = (*PAPER_CASES, *SMALL_CASES)
 HERE = Path(__file__).parent
-FMI_NAMES = {"v_eps": "vehicle.rollingResistanceSpeed"}
+FMI_NAMES = {
+    "v_eps": ["vehicle.rollingResistanceSpeed"],
+    "odd_gears": [f"shaft1.gearRatio[{k}]" for k in range(1, 5)],
+    "even_gears": [f"shaft2.gearRatio[{k}]" for k in range(1, 5)],
+    "i_r": ["shaft1.reverseRatio", "shaft2.reverseRatio"],
+    "t_s": ["shaft1.synchroniserTorque", "shaft2.synchroniserTorque"],
+}
 HEADER = (
     *("time", "engine.speed", "damper.speed", "clutch1.speed", "clutch2.speed", "output.speed"),
     *("wheel.speed", "damper.torque", "clutch1.torque", "clutch2.torque", "driveShaft.torque"),
@@ -59,11 +66,20 @@ def curve_json(curves):
     }
 
 
+def in_order(events):
+    """Events by time; at one instant clutches, then the brake, then synchronisers."""
+    parts = (1, 2, "brake", "synchroniser 1", "synchroniser 2")
+    return sorted(events, key=lambda event: (event["time"], parts.index(event["clutch"])))
+
+
 def case_json(case, params):
     """What a run needs beside its scenario, and the FMI parameters that leave the preset."""
     changed = {"transmission.rigid": True} if case.rigid else {}
     for name, value in case.params.items():
-        changed |= curve_json(value) if name == "curves" else {FMI_NAMES[name]: value}
+        named = zip(FMI_NAMES.get(name, ()), np.atleast_1d(value).tolist(), strict=False)
+        changed |= curve_json(value) if name == "curves" else dict(named)
+    odd, even = case.gears[0][1]
+    shifts = [{"time": t, "shaft1": a, "shaft2": b} for t, (a, b) in case.gears[1:]]
     return {
         "about": case.about,
         "preset": "paper",
@@ -72,8 +88,9 @@ def case_json(case, params):
             "engine.speed_start": case.engine_speed,
             "vehicle.speed_start": case.vehicle_speed,
         },
-        "gears": {"shaft1.gear": 1, "shaft2.gear": 2},
-        "ratios": {"shaft1": params.ratio[0], "shaft2": params.ratio[1]},
+        "gears": {"shaft1.gear": odd, "shaft2.gear": even},
+        **({"shifts": shifts} if shifts else {}),
+        "ratios": {f"shaft{i + 1}": params.ratio[i] for i in range(2)},
         "stop": case.stop,
         "inputs": "continuous" if case.h is None else "held",
         "h": case.h,
@@ -86,9 +103,9 @@ def write_case(case, out):
     """Run one case and write its five files into `out`."""
     simulation = run_case(case)
     write_rows(out / f"{case.name}.csv", simulation.rows, case.scenario.brakes)
-    write_json(out / f"{case.name}.events.json", simulation.events)
+    write_json(out / f"{case.name}.events.json", in_order(simulation.events))
     write_json(out / f"{case.name}.energy.json", simulation.energy())
-    write_json(out / f"{case.name}.json", case_json(case, simulation.plant.p))
+    write_json(out / f"{case.name}.json", case_json(case, case.simulation().plant.p))
     case.scenario.write(out / f"{case.scenario_file or case.name}.scenario.csv")
     return simulation
 

@@ -1,13 +1,13 @@
 """Exponential collocation: one smooth piece of the plant, exact but for the load's polynomial.
 
-Over a piece of duration h the forcing v(t) = [T_e, T_c1, T_c2, T_v] is a polynomial through
-`STAGES` Chebyshev-Lobatto nodes. For that forcing the state is exact,
+Over a piece of duration h the forcing v(t) = [T_e, T_c1, T_c2, T_v, T_s1, T_s2] is a polynomial
+through `STAGES` Chebyshev-Lobatto nodes. For that forcing the state is exact,
 
     x(c h) = exp(A c h) x0 + sum_j Psi_j(c) v(c_j h),
 
 whatever the stiffness of A. T_v depends on x through omega_w, and friction that varies with slip
-through the slips; both are found by fixed-point iteration (contraction h |dT_v/domega_w| / J_v
-< 3e-3 at h = 1 ms).
+through the slips; both are found by fixed-point iteration (contraction
+h |dT_v/domega_w| / J_v < 3e-3 at h = 1 ms).
 """
 
 from __future__ import annotations
@@ -63,26 +63,28 @@ class Propagator:
     def _generator(self):
         # z = [x, v, v', ..., v^(s-1)] / scaled time: monomial t^j has j-th derivative j!.
         n, s = self.system.a.shape[0], len(self.nodes)
-        m = np.zeros((n + 4 * s, n + 4 * s))
-        m[:n, :n], m[:n, n : n + 4] = self.system.a * self.h, self.system.b * self.h
-        m[n : n + 4 * (s - 1), n + 4 :] = np.eye(4 * (s - 1))
+        k = self.system.b.shape[1]
+        m = np.zeros((n + k * s, n + k * s))
+        m[:n, :n], m[:n, n : n + k] = self.system.a * self.h, self.system.b * self.h
+        m[n : n + k * (s - 1), n + k :] = np.eye(k * (s - 1))
         return m
 
     def maps(self, fractions):
-        """Maps from x0 and nodal forcing to x at `fractions` of h: (P, n, n) and (P, n, 4 s)."""
+        """Maps from x0 and nodal forcing to x at `fractions` of h: (P, n, n) and (P, n, k s)."""
         n, s = self.system.a.shape[0], len(self.nodes)
         full = expm(np.asarray(fractions)[:, None, None] * self.generator)
         factor = np.array([math.factorial(j) for j in range(s)])[:, None] * self.to_coefficients
-        psi = full[:, :n, n:].reshape(len(fractions), n, s, 4)
+        k = self.system.b.shape[1]
+        psi = full[:, :n, n:].reshape(len(fractions), n, s, k)
         psi = np.einsum("pnji,jk->pnki", psi, factor)
-        return full[:, :n, :n], psi.reshape(len(fractions), n, 4 * s)
+        return full[:, :n, :n], psi.reshape(len(fractions), n, k * s)
 
     def solve_forcing(self, x0, forcing):
-        """Nodal forcing that is consistent with the motion, shape (s, 4).
+        """Nodal forcing that is consistent with the motion, shape (s, k).
 
         Parameters
         ----------
-        forcing : callable, nodal states, shape (s, n) -> nodal forcing, shape (s, 4) [N·m]
+        forcing : callable, nodal states, shape (s, n) -> nodal forcing, shape (s, k) [N·m]
         """
         x = np.tile(x0, (len(self.nodes), 1))
         free = self.phi_n @ x0
@@ -105,6 +107,6 @@ class Propagator:
         return phi[0] @ x0 + psi[0] @ v.ravel()
 
     def forcing_at(self, v, fraction):
-        """Forcing at `fraction` of h, shape (4)."""
+        """Forcing at `fraction` of h, shape (k)."""
         powers = np.vander([fraction], len(self.nodes), increasing=True)
         return (powers @ self.to_coefficients @ v)[0]

@@ -1,7 +1,7 @@
 """Dual-clutch driveline (1)-(11) as matrices, one set per clutch-mode combination.
 
 An independent reference: written from the paper's equations, not from any other code here.
-With `x` the state and `v = [T_e, T_c1, T_c2, T_v]` the torques, the plant is
+With `x` the state and `v = [T_e, T_c1, T_c2, T_v, T_s1, T_s2]` the torques, the plant is
 
     x' = A0 x + B0 v
 
@@ -14,7 +14,7 @@ th_d th_t1 th_t2 th_o [rad]. Rigid state (6): omega_e omega_d omega_o omega_w th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -43,6 +43,10 @@ class Params:
     c_o: float = 567.0
     i_t: tuple = (3.0, 2.4)
     i_f: tuple = (6.0, 4.8)
+    odd_gears: tuple = (3.0,)  # i_t of gears 1, 3, 5, 7
+    even_gears: tuple = (2.4,)  # i_t of gears 2, 4, 6, 8
+    i_r: tuple = (0.0, 0.0)  # i_t of reverse, gear -1
+    t_s: tuple = (100.0, 100.0)  # [N·m] synchronisers, at the input shafts
     r_n: tuple = (0.095, 0.095)
     mu_k: tuple = (0.26, 0.22)
     mu_s: tuple = (0.30, 0.25)
@@ -61,6 +65,16 @@ class Params:
     def ratio(self):
         """Total ratios g_i = i_ti i_fi [-], shape (2)."""
         return tuple(a * b for a, b in zip(self.i_t, self.i_f, strict=True))
+
+    def gear_ratio(self, i, gear):
+        """i_t of a gear on shaft `i` [-]: 0 in neutral, below 0 in reverse (gear -1)."""
+        if gear == -1:
+            return -self.i_r[i]
+        return (self.odd_gears, self.even_gears)[i][(gear - i - 1) // 2] if gear else 0.0
+
+    def in_gears(self, gears):
+        """The same vehicle with other gears in, shape (2)."""
+        return replace(self, i_t=tuple(self.gear_ratio(i, gears[i]) for i in range(2)))
 
     def force(self, i, position):
         """Normal force of clutch `i` [N] at `position` [m], piecewise linear, constant outside."""
@@ -93,7 +107,7 @@ class Plant:
 
     Attributes
     ----------
-    a0, b0 : ndarray, shapes (n, n) and (n, 4)
+    a0, b0 : ndarray, shapes (n, n) and (n, 6); synchronisers act with the ratios `rubbing`
     mass_matrix : ndarray, shape (n), the inertia of each speed state, 0 for twists
     springs : list of (row of the twist, row of the rate, stiffness, damping)
     slip : ndarray, shape (2, n), omega_d - omega_ci
@@ -101,8 +115,10 @@ class Plant:
     speeds : ndarray, shape (6, n), the six FMI speeds
     """
 
-    def __init__(self, p: Params):
+    def __init__(self, p: Params, rubbing=(0.0, 0.0)):
         self.p = p
+        if p.rigid and 0 in p.i_t:
+            raise ValueError("the rigid reference has no neutral")
         names = ["e", "d", "o", "w"] if p.rigid else ["e", "d", "c1", "c2", "o", "w"]
         twists = ["th_d", "th_o"] if p.rigid else ["th_d", "th_t1", "th_t2", "th_o"]
         self.n = len(names) + len(twists)
@@ -110,6 +126,8 @@ class Plant:
         if p.rigid:
             unit |= {f"c{i + 1}": p.ratio[i] * unit["o"] for i in range(2)}
         self.unit, self.twists = unit, twists
+        self.synchronised = np.array([unit[f"c{i + 1}"] - rubbing[i] * unit["o"] for i in range(2)])
+        self.rubs = [g != 0 for g in rubbing]
         self.speeds = np.array([unit[k] for k in ("e", "d", "c1", "c2", "o", "w")])
         self.slip = np.array([unit["d"] - unit["c1"], unit["d"] - unit["c2"]])
         self.sliding = np.vstack([self.slip, unit["w"]])
@@ -130,7 +148,8 @@ class Plant:
         out = [(u["th_d"], u["e"] - u["d"], p.k_d, p.c_d)]
         if not p.rigid:
             for i in range(2):
-                rate = u[f"c{i + 1}"] / p.i_t[i] - p.i_f[i] * u["o"]
+                cut = np.zeros(self.n)
+                rate = u[f"c{i + 1}"] / p.i_t[i] - p.i_f[i] * u["o"] if p.i_t[i] else cut
                 out.append((u[f"th_t{i + 1}"], rate, p.k_t[i], p.c_t[i]))
         return [*out, (u["th_o"], u["o"] - u["w"], p.k_o, p.c_o)]
 
@@ -143,6 +162,7 @@ class Plant:
         for twist, rate, k, c in self.springs:
             self.a0 += np.outer(twist, rate) - np.outer(inv * rate, k * twist + c * rate)
         acts = [self.unit["e"], -self.slip[0], -self.slip[1], -self.unit["w"]]
+        acts += [-self.rubs[i] * self.synchronised[i] for i in range(2)]
         self.b0 = inv[:, None] * np.column_stack(acts)
         (td, rd, kd, cd), (to, ro, ko, co) = self.springs[0], self.springs[-1]
         self.damper_row = kd * td + cd * rd
@@ -170,14 +190,15 @@ class Plant:
 class ModeSystem:
     """The plant with one mode for each clutch and the brake: x' = a x + b v.
 
-    T_c1, T_c2 and T_v are gx x + gv v; `v` carries T_e, the friction torque of slipping clutches
-    and T_v, and what it carries for an engaged clutch or for wheels that are held does not act.
+    T_c1, T_c2 and T_v are gx x + gv v; `v` carries T_e, the friction torque of slipping clutches,
+    T_v and the torques of synchronisers; what it carries for an engaged clutch or for wheels that
+    are held does not act.
     """
 
     def __init__(self, plant: Plant, mode):
         stuck = [i for i in range(3) if mode[i] == ENGAGED]
         self.mode = tuple(mode)
-        self.gx, self.gv = np.zeros((3, plant.n)), np.zeros((3, 4))
+        self.gx, self.gv = np.zeros((3, plant.n)), np.zeros((3, 6))
         free = plant.b0.copy()
         for i in range(3):
             if mode[i] == ENGAGED:
@@ -188,5 +209,6 @@ class ModeSystem:
             s = plant.sliding[stuck]
             gain = -np.linalg.inv(s @ plant.b0[:, [1 + i for i in stuck]])
             self.gx[stuck], self.gv[stuck] = gain @ s @ plant.a0, gain @ s @ free
-        self.a = plant.a0 + plant.b0[:, 1:] @ self.gx
-        self.b = np.where(np.arange(4) == 0, plant.b0, 0.0) + plant.b0[:, 1:] @ self.gv
+        held = plant.b0[:, 1:4]
+        self.a = plant.a0 + held @ self.gx
+        self.b = np.where(np.isin(np.arange(6), (0, 4, 5)), plant.b0, 0.0) + held @ self.gv

@@ -68,6 +68,20 @@ BOTH = _scenario(
 )
 LAUNCH = _scenario([(0, 20), (0.4, 70), (2, 70)], [(0, 0), (0.1, 2), (0.5, 6.4), (2, 6.4)])
 
+SHIFTS = _scenario(  # 1-2-3; reverse is preselected while driving, and its clutch pressed too early
+    [(0, 60), (0.5, 60), (1.2, 45), (2, 30), (2.8, 20)],
+    [(0, 9), (0.35, 9), (0.6, 4.5), (0.75, 0), (1.2, 0), (1.35, 3.4), (1.7, 6.4), (2, 9), (2.8, 9)],
+    [
+        *((0, 0), (0.32, 0), (0.45, 3.6), (0.9, 6.6), (1.15, 9), (1.3, 9), (1.55, 3.5)),
+        *((1.7, 0), (1.95, 0), (1.955, 3.2), (2.05, 3.2), (2.06, 0), (2.8, 0)),
+    ],
+)
+REVERSE = _scenario(
+    [(0, 20), (0.4, 70), (1.6, 70), (1.8, 0), (2.6, 0)],
+    clutch2=[(0, 0), (0.1, 2.2), (0.7, 6.4), (1.2, 9), (1.6, 9), (1.8, 0), (2.6, 0)],
+    brake=[(0, 0), (1.9, 0), (2.1, 500), (2.6, 500)],
+)
+GEARBOX = {"odd_gears": (3.0, 1.35, 0.78), "even_gears": (2.4, 1.25, 0.8), "i_r": (0.0, 2.6)}
 _LAUNCH = {"stop": 2.0, "engine_speed": 110.0, "scenario_file": "launch"}
 RISING = ((0.0, 5.0, 20.0, 60.0, 150.0), (0.9, 0.95, 1.0, 1.0, 0.8))  # wet, then it fades
 FALLING = ((0.0, 4.0, 15.0, 40.0, 160.0), (1.12, 1.0, 0.95, 0.97, 0.75))  # Stribeck, then it fades
@@ -96,6 +110,18 @@ SMALL_CASES = (
     Case(
         *("stop_and_hold", STOP, 3.0, 90.0, 1.5),
         **{"params": {"v_eps": 0.0}, "about": "brake to a stop; dry rolling resistance holds"},
+    ),
+    Case(
+        *("gearbox", SHIFTS, 2.8, 180.0, 3.0),
+        gears=((0, (1, 0)), (0.1, (1, 2)), (0.9, (3, 2)), (1.9, (3, -1))),
+        params=GEARBOX,
+        about="1-2-3, synchronised; reverse preselected, its clutch pressed too early",
+    ),
+    Case(
+        *("reverse", REVERSE, 2.6, 110.0, 0.0),
+        gears=((0, (1, -1)), (1.0, (0, -1)), (2.0, (1, -1)), (2.3, (3, 2))),
+        params=GEARBOX,
+        about="launch in reverse; gear 1, then 3 and 2 at once while rolling backwards",
     ),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
     Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),

@@ -26,6 +26,7 @@ pub mod paper;
 pub mod phase;
 mod schedule;
 pub mod select;
+pub mod shift;
 pub mod speeds;
 mod tracker;
 

@@ -1,6 +1,7 @@
 //! The method that is chosen at run time.
 
 use crate::Params;
+use crate::observer::shift::Shift;
 use crate::observer::{
     Calibrating, Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit,
 };
@@ -38,6 +39,7 @@ impl Method {
 pub struct Selected {
     /// The method that acts; takes effect with [`Observer::start`].
     pub method: Method,
+    shift: Shift,
     paper: Paper,
     lyapunov: Lyapunov,
     energy: Energy,
@@ -68,14 +70,17 @@ impl Selected {
 impl Observer for Selected {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self::new(self.method);
+        self.shift.start(sample);
         self.acting().start(p, settings, sample)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        self.acting().step(p, settings, sample, h)
+        let sample = self.shift.step(p, sample);
+        self.acting().step(p, settings, &sample, h)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
+        self.shift.visit(visit);
         self.paper.visit(visit);
         self.lyapunov.visit(visit);
         self.energy.visit(visit);

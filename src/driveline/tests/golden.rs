@@ -38,7 +38,7 @@ fn input_at(case: &Case, p: &Params, time: f64) -> Input {
             p.clutch[0].map.force(signal("clutch1.position")),
             p.clutch[1].map.force(signal("clutch2.position")),
         ],
-        gear: [1, 2],
+        gear: case.gear(time),
         t_brake: case.scenario.optional("brake.torque", time),
         phi: signal("road.grade"),
     }
@@ -100,7 +100,7 @@ fn rate_between(start: &Input, end: &Input, t: f64) -> InputRate {
 /// Runs a case over steps of `h` [s], inputs held or, with `ramps`, with their derivatives.
 fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
     let p = case.params();
-    let mut propagators = Propagators::new(&p, [1, 2], h);
+    let mut propagators = Propagators::new(&p, case.gear(0.0), h);
     let mut plant = Plant::start(&p, &input_at(case, &p, 0.0), case.omega_e, case.v);
     let mut misfit = Misfit::default();
     let mut ours = Vec::new();
@@ -108,8 +108,9 @@ fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
     while time < case.stop - 1e-9 {
         let input = input_at(case, &p, time);
         let end = (f64::from(k + 1) * h).min(case.stop);
-        if !propagators.fits([1, 2], end - time) {
-            propagators.rebuild(&p, [1, 2], end - time);
+        let coupling = plant.coupling();
+        if !propagators.fits(coupling, end - time) {
+            propagators.rebuild(&p, coupling, end - time);
         }
         let next = if ramps {
             input_at(case, &p, end)
@@ -123,7 +124,7 @@ fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
             &input,
             &rate,
             |offset, before, after| {
-                for i in (0..3).filter(|i| before[*i] != after[*i]) {
+                for i in (0..5).filter(|i| before[*i] != after[*i]) {
                     ours.push(ClutchEvent::new(time + offset, i, before[i], after[i]));
                 }
             },
@@ -168,7 +169,7 @@ macro_rules! held {
 
 held! {
     paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
-    slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold launch_both launch_h10 launch_h1 launch_h01 last_step
+    slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold gearbox reverse launch_both launch_h10 launch_h1 launch_h01 last_step
     fade_h10 fade_h1 fade_h01 fade_rigid stribeck
 }
 

@@ -132,8 +132,15 @@ impl Entry {
 
 /// The parameters that propagators depend on; friction and road are the same in all.
 fn driveline(p: &Params) -> Params {
-    let Params { clutch, road, .. } = Params::TABLE_1;
-    Params { clutch, road, ..*p }
+    let Params {
+        clutch, road, t_s, ..
+    } = Params::TABLE_1;
+    Params {
+        clutch,
+        road,
+        t_s,
+        ..*p
+    }
 }
 
 fn lock() -> MutexGuard<'static, Shelf> {

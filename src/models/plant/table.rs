@@ -3,7 +3,7 @@
 use super::Plant;
 use crate::ports;
 use crate::rows::table;
-use crate::vehicle::{actuator, compliance, driveline, road, shaft};
+use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road, shaft};
 use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
@@ -195,7 +195,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     .depends_on(STATES),
 ];
 
-const TORQUES: [Variable<Plant>; 4] = [
+const TORQUES: [Variable<Plant>; 5] = [
     Variable::output(
         "damper.torque",
         U::NEWTON_METRE,
@@ -221,6 +221,14 @@ const TORQUES: [Variable<Plant>; 4] = [
     .slope(|m| &mut m.y_rate.t_v)
     .depends_on(LOAD),
     Variable::output(
+        "synchroniser.energy",
+        U::JOULE,
+        |m: &mut Plant| &mut m.y.synchroniser_energy,
+        "Energy lost in the synchronisers since the start",
+    )
+    .slope(|m| &mut m.y_rate.synchroniser_energy)
+    .depends_on(STATES),
+    Variable::output(
         "energy.residual",
         U::JOULE,
         |m: &mut Plant| &mut m.y.energy_residual,
@@ -230,7 +238,8 @@ const TORQUES: [Variable<Plant>; 4] = [
     .depends_on(STATES),
 ];
 
-const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
+const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
+    let synchronising = ["shaft1.synchronising", "shaft2.synchronising"][I];
     let shaft = ["shaft1.torque", "shaft2.torque"][I];
     let slip = ["clutch1.slip", "clutch2.slip"][I];
     let state = ["clutch1.state", "clutch2.state"][I];
@@ -261,6 +270,12 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
         )
         .slope(|m| &mut m.y_rate.t_t[I])
         .depends_on(ACTUATORS),
+        Variable::boolean_output(
+            synchronising,
+            |m: &mut Plant| &mut m.y.synchronising[I],
+            "The preselected gear is not in yet: its synchroniser rubs",
+        )
+        .depends_on(STATES),
         Variable::output(
             slip,
             U::RADIAN_PER_SECOND,
@@ -295,7 +310,8 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 7] {
     ]
 }
 
-const fn clutch_parameters<const I: usize>() -> [Variable<Plant>; 2] {
+const fn clutch_parameters<const I: usize>() -> [Variable<Plant>; 3] {
+    let synchroniser = ["shaft1.synchroniserTorque", "shaft2.synchroniserTorque"][I];
     let names = [
         ["clutch1.kineticFriction", "clutch1.staticFriction"],
         ["clutch2.kineticFriction", "clutch2.staticFriction"],
@@ -317,6 +333,13 @@ const fn clutch_parameters<const I: usize>() -> [Variable<Plant>; 2] {
         )
         .min(0.0)
         .tunable(),
+        Variable::parameter(
+            synchroniser,
+            U::NEWTON_METRE,
+            |m: &mut Plant| &mut m.p.t_s[I],
+            "T_s: torque of this shaft's synchroniser while it rubs, seen at the input shaft",
+        )
+        .min(POSITIVE),
     ]
 }
 

@@ -85,12 +85,12 @@ impl Scenario {
         })
     }
 
-    fn input(&self, time: f64, omega_e: f64, gear: [i32; 2]) -> Input {
+    fn input(&self, time: f64, omega_e: f64) -> Input {
         let actuation = self.actuation(time);
         Input {
             t_e: self.engine_torque(time, omega_e),
             force: [0, 1].map(|i| self.p.clutch[i].force(actuation[i])),
-            gear,
+            gear: self.gear(time),
             t_brake: at(&self.t_brake, time).max(0.0),
             phi: at(&self.phi, time),
         }
@@ -99,22 +99,15 @@ impl Scenario {
     /// Drives the exact plant in steps of `h` [s], inputs held over each.
     pub fn drive(&self, h: f64) -> Drive {
         let p = &self.p;
-        let mut gear = self.gear(0.0);
-        let mut propagators = Propagators::new(p, gear, h);
-        let mut u = self.input(0.0, self.omega_e, gear);
+        let mut u = self.input(0.0, self.omega_e);
+        let mut propagators = Propagators::new(p, u.gear, h);
         let mut plant = Plant::start(p, &u, self.omega_e, self.v);
         let y = plant.outputs(p, &propagators.systems, &u);
         let start = measure(self.actuation(0.0), &u, &y);
         let mut moments = Vec::new();
         for k in 0..(self.stop / h).round() as u32 {
             let time = f64::from(k) * h;
-            let granted = plant.gear_granted(gear, self.gear(time));
-            if granted != gear {
-                let new = Propagators::new(p, granted, h);
-                plant.change_gear(p, &propagators.systems, &new.systems);
-                (gear, propagators) = (granted, new);
-            }
-            u = self.input(time, plant.x[0], gear);
+            u = self.input(time, plant.x[0]);
             plant.step(p, &mut propagators, &u, &InputRate::default());
             let y = plant.outputs(p, &propagators.systems, &u);
             let sample = measure(self.actuation(time), &u, &y);

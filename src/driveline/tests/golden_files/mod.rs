@@ -24,7 +24,7 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClutchEvent {
     pub time: f64,
-    /// 0 and 1: a clutch, 2: the brake.
+    /// 0 and 1: a clutch, 2: the brake, 3 and 4: a synchroniser.
     part: usize,
     from: String,
     to: String,
@@ -39,8 +39,10 @@ pub struct Case {
     pub omega_e: f64,
     pub v: f64,
     pub rigid: bool,
-    v_eps: Option<f64>,
     curves: [Option<FrictionCurve>; 2],
+    /// (time [s], gears preselected from then on), the first ones at the start.
+    pub gears: Vec<(f64, [i32; 2])>,
+    about: String,
     pub turnover: f64,
     pub events: Vec<ClutchEvent>,
     pub scenario: Table,
@@ -68,7 +70,7 @@ impl ClutchEvent {
 
     /// Touching or opening: no torque acts yet or any more.
     fn is_touch(&self) -> bool {
-        self.from == "disengaged" || self.to == "disengaged"
+        self.part < 3 && (self.from == "disengaged" || self.to == "disengaged")
     }
 }
 
@@ -123,13 +125,29 @@ impl Case {
             rigid: self.rigid,
             ..Params::TABLE_1
         };
-        if let Some(v_eps) = self.v_eps {
-            p.road.v_eps = v_eps;
+        let set = |name: &str, value: &mut f64| {
+            if self.about.contains(name) {
+                *value = number(&self.about, name);
+            }
+        };
+        set(V_EPS, &mut p.road.v_eps);
+        for i in [0, 1] {
+            let shaft = format!("shaft{}", i + 1);
+            for (k, i_t) in p.i_t[i].iter_mut().enumerate() {
+                set(&format!("{shaft}.gearRatio[{}]", k + 1), i_t);
+            }
+            set(&format!("{shaft}.reverseRatio"), &mut p.i_r[i]);
         }
         for (clutch, curve) in p.clutch.iter_mut().zip(self.curves) {
             clutch.curve = curve.unwrap_or(clutch.curve);
         }
         p
+    }
+
+    /// Gears preselected at `time` [s], shape (2).
+    pub fn gear(&self, time: f64) -> [i32; 2] {
+        let begun = self.gears.iter().rev().find(|(t, _)| *t <= time + 1e-9);
+        begun.unwrap().1
     }
 
     pub fn read(name: &str) -> Self {
@@ -146,11 +164,12 @@ impl Case {
             v: number(&about, "vehicle.speed_start"),
             rigid: about.contains("\"transmission.rigid\": true"),
             curves: [1, 2].map(|clutch| curve(&about, clutch)),
-            v_eps: about.contains(V_EPS).then(|| number(&about, V_EPS)),
+            gears: gears(&about),
             turnover: number(&text(&format!("{name}.energy.json")), "turnover"),
             events: events(&text(&format!("{name}.events.json"))),
             scenario: Table::read(&field(&about, "scenario")),
             rows: rows.collect(),
+            about,
         }
     }
 
@@ -222,7 +241,7 @@ fn events(json: &str) -> Vec<ClutchEvent> {
         .skip(1)
         .map(|event| ClutchEvent {
             time: number(event, "time"),
-            part: ["1", "2", "brake"]
+            part: ["1", "2", "brake", "synchroniser 1", "synchroniser 2"]
                 .iter()
                 .position(|part| field(event, "clutch") == *part)
                 .unwrap(),
@@ -231,4 +250,17 @@ fn events(json: &str) -> Vec<ClutchEvent> {
             direction: number(event, "direction"),
         })
         .collect()
+}
+
+/// Gears at the start, then those of every shift.
+fn gears(json: &str) -> Vec<(f64, [i32; 2])> {
+    let pair = |json: &str, names: [&str; 2]| names.map(|name| field(json, name).parse().unwrap());
+    let start = (0.0, pair(json, ["shaft1.gear", "shaft2.gear"]));
+    let shifts = json
+        .split_once("\"shifts\"")
+        .map_or("", |(_, shifts)| shifts);
+    let list = shifts.split_once(']').map_or("", |(list, _)| list);
+    let shift = |text: &str| (number(text, "time"), pair(text, ["shaft1", "shaft2"]));
+    let rest = list.split('{').skip(1).map(shift);
+    core::iter::once(start).chain(rest).collect()
 }
