@@ -1,66 +1,72 @@
 //! Method `calibrating`: a Kalman filter that also learns what is wrong with its own parameters.
 //!
-//! Errors of T_e and J_e go straight into T_c of every other method. Here they are states:
+//! Errors of T_e and J_e go straight into T_c of every other method. Here they are states, with those of the
+//! gearbox, the drive shaft, the vehicle and the wheel speed; calibrating_model.rs has the equations.
 //!
 //! ```text
-//! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v, α, β, δ, w, κ, γ, λ)
-//! J_ed (1+δ) ω_e' = (1+α) T_e + β − T_c1 − T_c2             α [1], β [N·m]: engine torque; δ [1]: inertia
-//! J_out (1+λ) ω_o' = g1 T_c1 + g2 T_c2 − T_o                λ [1]: gearbox inertia
-//! J_v ω_w' = T_o − T_v − T_b                                T_v free: needs no load model
-//! T_o = T_s + c (1+γ) (ω_o − ω_w),  T_s' = k (1+κ) (ω_o − ω_w)       κ, γ [1]: drive shaft
-//! y = (ω_e, ω_c1, ω_c2, ω_w + w)                            w [rad/s]: bias of the wheel speed
+//! sample ─> how each clutch carries its torque (grip) ─> predict ─> correct by speeds and constraint ─┐
+//! estimates <─ times the common factor (anchor) <─ parameters within what a vehicle can have <────────┘
 //! ```
 //!
-//! An extended filter: the factors of α, δ, λ, κ, γ are the filter's own accelerations and twists, not
-//! differentiated measurements, whose noise would bias what is learnt. T_s has little noise, so the twist of
-//! the drive shaft is what torques are measured against. Parameters walk slowly; projection keeps them
-//! within what a vehicle can have.
+//! An extended filter. The factors of δ and λ are the filter's own accelerations, not differentiated
+//! measurements, whose noise would bias what is learnt; while a clutch slips they are smoothed as well. T_s has
+//! little noise, so the twist of the drive shaft is what torques are measured against. A slipping clutch moves
+//! with its force, an engaged one with the driveline ([`grip`]). Parameters walk slowly.
 //!
 //! **What can be told apart, phase by phase.** One clutch engaged, the other open: T_c is known twice, from
-//! the shaft (J_out ω_o' + T_o = g T_c) and from the engine (J_ed (1+δ) ω_e' = (1+α) T_e + β − T_c); their
-//! difference α T_e + β − δ J_ed ω_e' is seen. A steady drive shows one sum of α T_e and β; another torque level
-//! parts α from β; acceleration, as in tip-in, parts δ from both. Clutches open: J_ed (1+δ) ω_e' = (1+α) T_e + β,
-//! so δ against α. Slipping: the same difference, as the shaft gives T_c. Handover: only the sum of both torques
-//! and the sum at the output are seen, so T_c1, T_c2 rest on what was learnt before. w: a twist rate that lasts
-//! though T_s does not grow. κ, γ, λ: while the shaft swings after an engagement.
+//! the shaft (J_out ω_o' + T_o = g T_c) and from the engine (J_ed (1+δ) ω_e' = T_e + β − T_c). A steady drive
+//! shows one sum of the errors; another torque level parts a scale from β; acceleration, as in tip-in, parts δ
+//! from both. Clutches open: J_ed (1+δ) ω_e' = T_e + β, so δ and β. Slipping: the same difference, as the shaft
+//! gives T_c. Handover: only the sum of both torques and the sum at the output are seen, so T_c1, T_c2 rest on
+//! what was learnt before. w: a twist rate that lasts though T_s does not grow. κ, γ, λ, ν: while the shaft swings.
 //!
 //! **What cannot.** All equations are homogeneous: one common factor on torques, inertias, k and c changes no
-//! speed. Something must be trusted, by a small deviation at the start ([`Gains`]): a parameter whose
-//! deviation is 0 is an anchor and stays.
+//! speed. A filter with such a direction among its states believes to see it as it moves its point of
+//! linearisation, so here it is none: torques are in units of the reported T_e, and the factor is found apart,
+//! by what each parameter is worth as a witness ([`anchor`]).
 //!
 //! **Proof: none.** The filter is linearised about its estimate; it is tested, not proven.
+//!
+//! [`grip`]: crate::observer::grip
+//! [`anchor`]: crate::observer::anchor
 
 use crate::Params;
-use crate::observer::filter::{Flow, Rows, row};
-use crate::observer::speeds::Speeds;
-use crate::observer::tracker::{SHARED, START, T_C, T_S, T_V, Tracker, W_E, W_O, W_W};
-use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake};
-use nalgebra::{SVector, Vector4};
+use crate::observer::anchor::{Anchor, WITNESSES};
+use crate::observer::calibrating_model::{
+    BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, Vector, View,
+};
+use crate::observer::filter::{Belief, row};
+use crate::observer::grip::{Grip, Hold};
+use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
+use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
+use nalgebra::{ComplexField, SMatrix, SVector};
 
-const N: usize = SHARED + PARAMETERS;
-type Vector = SVector<f64, N>;
-
-const ALPHA: usize = SHARED;
-const BETA: usize = 8;
-const DELTA: usize = 9;
-const BIAS: usize = 10;
-const KAPPA: usize = 11;
-const GAMMA: usize = 12;
-const LAMBDA: usize = 13;
-
-/// Number of parameters learnt: α, β, δ, w, κ, γ, λ.
-pub const PARAMETERS: usize = 7;
-/// Largest |α|, |β|, |δ|, |w|, |κ|, |γ|, |λ| that a vehicle can have.
-const LARGEST: [f64; PARAMETERS] = [0.5, 30.0, 0.7, 0.5, 0.5, 0.7, 0.7];
+/// Number of parameters told: α, β, δ, w, κ, γ, λ, ν.
+pub const PARAMETERS: usize = 8;
+/// Largest |β|, |δ|, |w|, |κ|, |γ|, |λ|, |ν| that a vehicle can have.
+const LARGEST: [f64; LEARNT] = [30.0, 0.7, 0.5, 0.5, 0.7, 0.7, 0.7];
+/// J_ed, k_o, c_o, J_out, J_v: witnesses of the common factor.
+const RATIOS: [usize; WITNESSES] = [DELTA, KAPPA, GAMMA, LAMBDA, NU];
+/// Where these stand among the parameters told.
+const TOLD: [usize; WITNESSES] = [2, 4, 5, 6, 7];
+/// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
+const UNSURE: f64 = 4000.0;
+/// Relative deviation of the torque that a change of force brings [1]: friction known, and not.
+const FORCE: [f64; 2] = [0.3, 1.0];
+/// Density of what the constraint of an engaged clutch leaves out [(N·m)² s].
+const CONSTRAINT: f64 = 1e-4;
+/// Time constant of the accelerations that δ and λ are seen by while a clutch slips [s].
+const SMOOTH: f64 = 0.03;
 
 /// What the filter believes of its noises and of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gains {
-    /// q_T, q_v, q_w, q_s: intensities of T_c, T_v [(N·m)²/s], speeds [(rad/s)²/s], T_s [(N·m)²/s].
+    /// q_T, q_v, q_w, q_s: intensities of T_c while slipping, T_v [(N·m)²/s], speeds [(rad/s)²/s],
+    /// T_s [(N·m)²/s].
     pub q: [f64; 4],
-    /// Intensities of α, β, δ, w, κ, γ, λ per second, shape (7), where their deviation is not 0.
-    pub walk: [f64; PARAMETERS],
-    /// Standard deviations of α [1], β [N·m], δ [1], w [rad/s], κ, γ, λ [1] at the start, shape (7).
+    /// Intensities of β, δ, w, κ, γ, λ, ν per second, shape (7), where their deviation is not 0.
+    pub walk: [f64; LEARNT],
+    /// Standard deviations of α [1], β [N·m], δ [1], w [rad/s], κ, γ, λ, ν [1] at the start, shape (8).
     ///
     /// 0 makes an anchor: the parameter is trusted and stays.
     pub sigma: [f64; PARAMETERS],
@@ -71,31 +77,54 @@ pub struct Gains {
 impl Gains {
     /// Per second, so for every step.
     pub const DEFAULT: Self = Self {
-        q: [750.0, 3000.0, 1e-6, 0.5],
-        walk: [1e-8, 1e-5, 1e-7, 1e-9, 1e-8, 1e-8, 1e-8],
-        sigma: [0.06, 3.0, 0.3, 0.02, 0.0, 0.0, 0.0],
+        q: [300.0, 2000.0, 1e-6, 0.5],
+        walk: [1e-5, 1e-7, 1e-9, 1e-8, 1e-8, 1e-8, 1e-8],
+        sigma: [0.06, 3.0, 0.3, 0.02, 0.1, 0.2, 0.1, 0.2],
         sensor: 0.1,
     };
 
     /// Intensities of the states, shape (14); an anchor does not walk.
-    fn intensities(&self) -> Vector {
+    fn intensities(&self, start: &Vector, hold: [Hold; 2]) -> Vector {
         let [q_t, q_v, q_w, q_s] = self.q;
+        let [one, two] = hold.map(|hold| match hold {
+            Hold::Slips { .. } => q_t,
+            Hold::Unsure | Hold::Firm => UNSURE,
+        });
         let mut all = Vector::zeros();
-        let motion = [q_w, q_w, q_w, q_s, q_t, q_t, q_v];
+        let motion = [q_w, q_w, q_w, q_s, one, two, q_v];
         all.fixed_rows_mut::<SHARED>(0).copy_from_slice(&motion);
-        for k in (0..PARAMETERS).filter(|k| self.sigma[*k] > 0.0) {
-            all[ALPHA + k] = self.walk[k];
+        for k in (0..LEARNT).filter(|k| start[SHARED + k] > 0.0) {
+            all[SHARED + k] = self.walk[k];
         }
         all
+    }
+
+    /// Deviations of the states at the start, shape (14). A ratio to T_e is as uncertain as both.
+    fn start(&self) -> Vector {
+        let mut sigma = Vector::zeros();
+        sigma.fixed_rows_mut::<SHARED>(0).copy_from_slice(&START);
+        sigma
+            .fixed_rows_mut::<LEARNT>(SHARED)
+            .copy_from_slice(&self.sigma[1..]);
+        for j in RATIOS {
+            sigma[j] = ComplexField::hypot(sigma[j], self.sigma[0]);
+        }
+        sigma
+    }
+
+    /// Deviations of T_e and of the witnesses, shape (6).
+    fn trust(&self) -> [f64; WITNESSES + 1] {
+        let s = self.sigma;
+        [s[0], s[2], s[4], s[5], s[6], s[7]]
     }
 }
 
 /// What was learnt of the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Calibration {
-    /// α [1], β [N·m], δ [1], w [rad/s], κ, γ, λ [1], shape (7).
+    /// α [1], β [N·m], δ [1], w [rad/s], κ, γ, λ, ν [1], shape (8).
     pub value: [f64; PARAMETERS],
-    /// Their standard deviations, shape (7).
+    /// Their standard deviations, shape (8).
     pub deviation: [f64; PARAMETERS],
 }
 
@@ -104,20 +133,27 @@ pub struct Calibration {
 pub struct Calibrating {
     /// The filter and what watches it.
     pub tracker: Tracker<N>,
+    /// The common factor.
+    pub anchor: Anchor,
+    /// How the clutches carry their torque.
+    pub grip: Grip,
+    /// Smoothed accelerations of ω_e, ω_o [rad/s²], shape (2).
+    pub slope: [f64; 2],
 }
 
 impl Observer for Calibrating {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let mut sigma = Vector::zeros();
-        sigma.fixed_rows_mut::<SHARED>(0).copy_from_slice(&START);
-        sigma
-            .fixed_rows_mut::<PARAMETERS>(ALPHA)
-            .copy_from_slice(&settings.calibrating.sigma);
-        self.tracker = Tracker::new(settings, Vector::zeros(), sigma);
+        let sigma = settings.calibrating.start();
+        *self = Self {
+            tracker: Tracker::new(settings, Vector::zeros(), sigma),
+            ..Self::default()
+        };
         if !sample.is_finite() {
             return self.refuse();
         }
         self.tracker.start(p, sample, &wheel());
+        let resistance = View::new(p, sample, &self.tracker.belief.x).resistance();
+        self.tracker.belief.x[T_V] -= resistance;
         self.estimate(p, settings, sample)
     }
 
@@ -126,85 +162,81 @@ impl Observer for Calibrating {
             return self.refuse();
         }
         self.tracker.follow(p, sample, &wheel(), h);
-        self.predict(p, settings, sample, h);
+        let hold = self.grip.step(p, sample, self.tracker.lock.engaged(), h);
+        self.follow_force(sample, hold);
+        self.predict(p, settings, sample, hold, h);
         let sensor = settings.calibrating.sensor;
         self.tracker.correct(p, sample, sensor, &wheel());
+        self.constrain(p, sample, h);
         let bounded = self.project();
         let monitor = &mut self.tracker.monitor;
         monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
+        self.vote(settings, h);
         self.tracker.watch(p, settings, sample, h);
         self.estimate(p, settings, sample)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
         self.tracker.visit(visit);
+        visit(&mut self.anchor.s);
+        visit(&mut self.anchor.variance);
+        self.grip.visit(visit);
+        self.slope.iter_mut().for_each(visit);
     }
 }
 
 impl Calibrating {
-    /// The model with what was learnt.
-    fn model(&self, p: &Params, sample: &Sample) -> Speeds {
-        let (nominal, x) = (Speeds::new(p, sample.gear), &self.tracker.belief.x);
-        Speeds {
-            j_ed: nominal.j_ed * (1.0 + x[DELTA]),
-            j_out: nominal.j_out * (1.0 + x[LAMBDA]),
-            k: nominal.k * (1.0 + x[KAPPA]),
-            c: nominal.c * (1.0 + x[GAMMA]),
-            ..nominal
+    /// T_c of a slipping clutch moves with its force.
+    fn follow_force(&mut self, sample: &Sample, hold: [Hold; 2]) {
+        let Tracker {
+            belief, friction, ..
+        } = &mut self.tracker;
+        for (i, hold) in hold.into_iter().enumerate() {
+            let before = belief.x[T_C + i];
+            let known = friction.mu[i] * sample.slip()[i].signum();
+            let after = before + hold.change(before, known);
+            let relative = FORCE[usize::from(!friction.known(i))];
+            belief.x[T_C + i] = after;
+            belief.p[(T_C + i, T_C + i)] +=
+                relative * relative * (after * after - before * before).abs();
         }
     }
 
-    /// The slope of the states that move, shape (4).
-    fn slope(&self, model: &Speeds, p: &Params, sample: &Sample) -> Vector4<f64> {
-        let x = &self.tracker.belief.x;
-        let torque = (1.0 + x[ALPHA]) * sample.t_e + x[BETA];
-        let load = x[T_V] + brake(p, sample);
-        let torques = Vector4::new(torque, x[T_C], x[T_C + 1], load);
-        model.a(None) * x.fixed_rows::<4>(0) + model.b(None) * torques
-    }
-
-    /// How all other states change the slope, shape (4, 14), of which the last 10 columns count.
-    ///
-    /// `slope` and `twist` ω_o − ω_w: their means over the step, which makes Φ exact to h³.
-    fn effects(&self, model: &Speeds, t_e: f64, slope: &Vector4<f64>, twist: f64) -> Rows<N> {
-        let (x, b) = (&self.tracker.belief.x, model.b(None));
-        let mut by = Rows::<N>::zeros();
-        by.fixed_columns_mut::<3>(T_C)
-            .copy_from(&b.fixed_columns::<3>(1));
-        by.set_column(ALPHA, &(b.column(0) * t_e));
-        by.set_column(BETA, &b.column(0));
-        by[(W_E, DELTA)] = -slope[W_E] / (1.0 + x[DELTA]);
-        by[(W_O, LAMBDA)] = -slope[W_O] / (1.0 + x[LAMBDA]);
-        by[(T_S, KAPPA)] = slope[T_S] / (1.0 + x[KAPPA]);
-        let damping = model.c * twist / (1.0 + x[GAMMA]);
-        by[(W_O, GAMMA)] = -damping / model.j_out;
-        by[(W_W, GAMMA)] = damping / model.j_v;
-        by
-    }
-
-    /// x̂⁺ of the states that move, with the parameters held, and the rows of Φ, shape (4, 14).
-    fn motion(&self, p: &Params, sample: &Sample, h: f64) -> (Vector4<f64>, Rows<N>) {
-        let (model, x) = (self.model(p, sample), &self.tracker.belief.x);
-        let flow = Flow::new(&model, h);
-        let change = flow.gamma * self.slope(&model, p, sample);
-        let moved = x.fixed_rows::<4>(0) + change;
-        let twist = 0.5 * (x[W_O] - x[W_W] + moved[W_O] - moved[W_W]);
-        let by = self.effects(&model, sample.t_e, &(change / h), twist);
-        (moved, flow.rows(&by))
-    }
-
-    fn predict(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) {
-        let (moved, rows) = self.motion(p, sample, h);
+    /// x̂⁺ with the parameters held, exactly; P⁺ with the motion linearised about x̂.
+    fn predict(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        hold: [Hold; 2],
+        h: f64,
+    ) {
+        let (last, firm) = (self.slope, hold.contains(&Hold::Firm));
+        let forget = if firm { 0.0 } else { SMOOTH / (h + SMOOTH) };
+        let smoothed = |now: [f64; 2]| [0, 1].map(|j| now[j] + (last[j] - now[j]) * forget);
+        let motion = View::new(p, sample, &self.tracker.belief.x).motion(h, smoothed);
+        self.slope = smoothed(motion.slope);
+        let gains = &settings.calibrating;
+        let q = gains.intensities(&gains.start(), hold) * h;
         let belief = &mut self.tracker.belief;
-        belief.x.fixed_rows_mut::<4>(0).copy_from(&moved);
-        belief.spread(&rows, &(settings.calibrating.intensities() * h));
+        belief.x.fixed_rows_mut::<4>(0).copy_from(&motion.moved);
+        belief.spread(&motion.rows, &q);
+    }
+
+    /// A firm clutch carries the constraint torque of (6).
+    fn constrain(&mut self, p: &Params, sample: &Sample, h: f64) {
+        if let Some(i) = self.grip.firm() {
+            let belief = &mut self.tracker.belief;
+            let (excess, derivative) = View::new(p, sample, &belief.x).constraint(i);
+            belief.correct(&derivative, -excess, CONSTRAINT / h);
+        }
     }
 
     /// Keeps the parameters within what a vehicle can have; tells whether that was needed.
     fn project(&mut self) -> bool {
         let mut bounded = false;
         for (k, largest) in LARGEST.into_iter().enumerate() {
-            let x = &mut self.tracker.belief.x[ALPHA + k];
+            let x = &mut self.tracker.belief.x[SHARED + k];
             let free = *x;
             *x = free.clamp(-largest, largest);
             bounded |= *x != free;
@@ -212,14 +244,30 @@ impl Calibrating {
         bounded
     }
 
+    /// The common factor by its witnesses.
+    fn vote(&mut self, settings: &Settings, h: f64) {
+        let belief = &self.tracker.belief;
+        let ratio = SVector::from(RATIOS.map(|j| ComplexField::ln(1.0 + belief.x[j])));
+        let p = SMatrix::from_fn(|a, b| belief.p[(RATIOS[a], RATIOS[b])]);
+        self.anchor
+            .step(&ratio, &p, settings.calibrating.trust(), h);
+    }
+
     /// What was learnt, with deviations.
     fn calibration(&self) -> Calibration {
-        let (index, belief): ([usize; PARAMETERS], _) =
-            (core::array::from_fn(|k| ALPHA + k), &self.tracker.belief);
-        Calibration {
-            value: index.map(|j| belief.x[j]),
-            deviation: index.map(|j| belief.deviation(&row(&[(j, 1.0)]))),
+        let (belief, factor) = (&self.tracker.belief, self.anchor.factor());
+        let Belief { x, p } = belief;
+        let mut said = Calibration::default();
+        (said.value[0], said.deviation[0]) =
+            (factor - 1.0, ComplexField::sqrt(self.anchor.variance));
+        (said.value[1], said.deviation[1]) =
+            (x[BETA] * factor, ComplexField::sqrt(p[(BETA, BETA)]));
+        (said.value[3], said.deviation[3]) = (x[BIAS], ComplexField::sqrt(p[(BIAS, BIAS)]));
+        for (k, j) in TOLD.into_iter().zip(RATIOS) {
+            said.value[k] = (1.0 + x[j]) * factor - 1.0;
+            said.deviation[k] = ComplexField::sqrt(p[(j, j)] + self.anchor.variance);
         }
+        said
     }
 
     /// What is said of a sample that cannot be used.
@@ -231,60 +279,27 @@ impl Calibrating {
     }
 
     fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let c = self.model(p, sample).c;
-        Estimate {
+        let view = View::new(p, sample, &self.tracker.belief.x);
+        let factor = self.anchor.factor();
+        let own = self.tracker.estimate(p, settings, sample, view.model.c);
+        let uncertain = |torque: f64, deviation: f64| {
+            ComplexField::sqrt(deviation * deviation + torque * torque * self.anchor.variance)
+        };
+        let said = Estimate {
+            t_c: own.t_c.map(|torque| torque * factor),
+            t_o: own.t_o * factor,
+            t_v: (own.t_v + view.resistance()) * factor,
+            t_c_deviation: [0, 1].map(|i| uncertain(own.t_c[i], own.t_c_deviation[i])),
+            t_o_deviation: uncertain(own.t_o, own.t_o_deviation),
+            friction: own.friction.map(|mu| mu * factor),
             calibration: self.calibration(),
-            ..self.tracker.estimate(p, settings, sample, c)
-        }
+            ..own
+        };
+        said.with_friction_terms(p, settings, sample)
     }
 }
 
 /// What the wheel sensor shows of the states.
 fn wheel() -> Vector {
     row(&[(W_W, 1.0), (BIAS, 1.0)])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Calibrating, N, Vector};
-    use crate::Params;
-    use crate::observer::{Observer, Sample, Settings};
-    use nalgebra::Vector4;
-
-    /// Central differences of the motion itself against the rows of Φ, in every state; the rows leave out h³.
-    #[test]
-    fn rows_of_phi_are_the_derivative_of_the_motion() {
-        const STEP: f64 = 1e-4;
-        let units = Vector4::new(1.0, 1.0, 1.0, 500.0);
-        let (p, settings) = (Params::TABLE_1, Settings::CASE_1);
-        let sample = Sample {
-            t_e: 60.0,
-            omega_e: 180.0,
-            omega_c: [170.0, 110.0],
-            omega_w: 9.3,
-            gear: [1, 2],
-            t_brake: 40.0,
-            ..Sample::default()
-        };
-        let mut observer = Calibrating::default();
-        observer.start(&p, &settings, &sample);
-        observer.tracker.belief.x = Vector::from([
-            181.0, 9.5, 9.3, 700.0, 42.0, -11.0, 260.0, 0.04, 1.5, -0.1, 0.01, 0.07, -0.15, 0.1,
-        ]);
-        for (h, tolerance) in [(1e-3, 1e-4), (1e-2, 1e-2)] {
-            let rows = observer.motion(&p, &sample, h).1;
-            for j in 0..N {
-                let [up, down] = [STEP, -STEP].map(|step| {
-                    let mut moved = observer;
-                    moved.tracker.belief.x[j] += step;
-                    moved.motion(&p, &sample, h).0
-                });
-                let slope = (up - down) / (2.0 * STEP);
-                let in_units = |column: Vector4<f64>| column.component_div(&units);
-                let (truth, ours) = (in_units(slope), in_units(rows.column(j).into_owned()));
-                let error = (truth - ours).amax() / truth.amax().max(h);
-                assert!(error < tolerance, "h = {h} s, state {j}: {truth} {ours}");
-            }
-        }
-    }
 }

@@ -12,10 +12,13 @@
 //! is a function of (parameters, state, sample): no clock, no log, no allocation.
 
 pub mod adaptive;
+pub mod anchor;
 pub mod calibrating;
+mod calibrating_model;
 pub mod energy;
 mod filter;
 pub mod friction;
+pub mod grip;
 pub mod kalman;
 pub mod lever;
 pub mod load;

@@ -22,17 +22,18 @@ const H: f64 = 1e-3;
 const LIMITS: [f64; 3] = [4.0, 4.0, 2.0];
 const NOISY: [f64; 3] = [5.5, 5.5, 2.5];
 
-/// Runs along a drive with an engine inertia that is believed to be `j_e` times the true one.
+/// The same under errors of shaft, gearbox and vehicle.
+const SHAFT: [f64; 3] = [4.0, 4.0, 4.0];
+
+/// Runs along a drive with parameters that are believed to be others than the true ones.
 fn run(
     method: Method,
     drive: &Drive,
-    j_e: f64,
+    believed: fn(&mut Params),
     sensors: impl FnMut(Sample) -> Sample,
 ) -> ([f64; 3], Calibration) {
-    let p = Params {
-        j_e: drive.p.j_e * j_e,
-        ..drive.p
-    };
+    let mut p = drive.p;
+    believed(&mut p);
     let mut last = Calibration::default();
     let mut observer = Selected::new(method);
     let settings = Settings::CASE_1;
@@ -49,38 +50,80 @@ fn run(
     (score.percent(), last)
 }
 
-fn check(drive: &Drive, limits: [f64; 3], j_e: f64, sensors: impl FnMut(Sample) -> Sample) {
-    let (errors, learnt) = run(Method::Calibrating, drive, j_e, sensors);
-    println!("{} J_e x {j_e}: {errors:.1?} % {learnt:.3?}", drive.name);
+fn check(
+    drive: &Drive,
+    limits: [f64; 3],
+    believed: fn(&mut Params),
+    sensors: impl FnMut(Sample) -> Sample,
+) {
+    let (errors, learnt) = run(Method::Calibrating, drive, believed, sensors);
+    let name = &drive.name;
+    println!("{name}: {errors:.1?} % {learnt:.3?}");
     let within = errors
         .iter()
         .zip(limits)
         .all(|(error, limit)| *error <= limit);
-    assert!(
-        within,
-        "{} J_e x {j_e}: {errors:.2?} > {limits:?} %",
-        drive.name
-    );
+    assert!(within, "{name}: {errors:.2?} > {limits:?} %, {learnt:.3?}");
 }
 
+/// Every error of a parameter that a driveline may have, by itself.
+const PARAMETERS: [fn(&mut Params); 10] = [
+    |p| p.j_e *= 1.2,
+    |p| p.j_e *= 0.8,
+    |p| p.j_v *= 1.2,
+    |p| p.j_v *= 0.8,
+    |p| p.k_o *= 1.1,
+    |p| p.k_o *= 0.9,
+    |p| p.c_o *= 1.2,
+    |p| p.c_o *= 0.8,
+    |p| p.j_ct = p.j_ct.map(|j| 1.2 * j),
+    |p| p.j_ct = p.j_ct.map(|j| 0.8 * j),
+];
+
 #[test]
-fn errors_of_inertia_torque_and_wheel_speed_cost_nothing() {
-    for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(2)] {
+fn errors_of_torque_and_wheel_speed_cost_little() {
+    for scenario in [
+        scenarios::paper(),
+        scenarios::random(1),
+        scenarios::random(2),
+    ] {
         let drive = scenario.drive(H);
-        for j_e in [1.0, 1.2, 0.8] {
-            check(&drive, LIMITS, j_e, perfect);
-        }
-        check(&drive, LIMITS, 1.0, torque_error);
-        check(&drive, LIMITS, 1.0, wheel_bias);
+        check(&drive, LIMITS, |_| {}, perfect);
+        check(&drive, LIMITS, |_| {}, torque_error);
+        check(&drive, LIMITS, |_| {}, wheel_bias);
     }
 }
 
-/// On scenarios in which engine and shaft are excited; the paper's, with its long steady drives, misses
-/// this limit in T_c1 with some seeds.
+#[test]
+fn errors_of_parameters_cost_nothing() {
+    for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(4)] {
+        let drive = scenario.drive(H);
+        for (k, believed) in PARAMETERS.into_iter().enumerate() {
+            let limits = if k < 2 { LIMITS } else { SHAFT };
+            check(&drive, limits, believed, perfect);
+        }
+    }
+}
+
 #[test]
 fn noise_costs_little() {
-    for scenario in [1, 3].map(scenarios::random) {
-        check(&scenario.drive(H), NOISY, 1.0, noisy(0.1, 1));
+    for scenario in [
+        scenarios::paper(),
+        scenarios::random(1),
+        scenarios::random(3),
+    ] {
+        let drive = scenario.drive(H);
+        for seed in [1, 2, 3] {
+            check(&drive, NOISY, |_| {}, noisy(0.1, seed));
+        }
+    }
+}
+
+#[test]
+fn an_error_of_inertia_costs_nothing_at_100_hz() {
+    let drive = scenarios::paper().drive(1e-2);
+    for believed in [PARAMETERS[0], PARAMETERS[1]] {
+        check(&drive, LIMITS, believed, perfect);
     }
 }
 
@@ -93,16 +136,16 @@ fn injected_errors_are_found() {
         j_e: 1.2 * drive.p.j_e,
         ..drive.p
     };
-    let (_, inertia) = run(Method::Calibrating, &drive, 1.2, perfect);
+    let (_, inertia) = run(Method::Calibrating, &drive, PARAMETERS[0], perfect);
     let expected = j_ed(&drive.p) / j_ed(&believed) - 1.0;
     assert!((inertia.value[2] - expected).abs() < 0.01, "{inertia:?}");
-    let (_, torque) = run(Method::Calibrating, &drive, 1.0, torque_error);
+    let (_, torque) = run(Method::Calibrating, &drive, |_| {}, torque_error);
     assert!(
         (torque.value[0] - (1.0 / 1.05 - 1.0)).abs() < 0.005,
         "{torque:?}"
     );
     assert!((torque.value[1] + 2.0 / 1.05).abs() < 0.05, "{torque:?}");
-    let (_, wheel) = run(Method::Calibrating, &drive, 1.0, wheel_bias);
+    let (_, wheel) = run(Method::Calibrating, &drive, |_| {}, wheel_bias);
     assert!((wheel.value[3] - 0.01).abs() < 5e-4, "{wheel:?}");
     let sigma = Settings::CASE_1.calibrating.sigma;
     for (k, start) in sigma.into_iter().enumerate() {
@@ -117,8 +160,8 @@ fn injected_errors_are_found() {
 #[test]
 fn a_filter_that_does_not_learn_pays_five_times_as_much() {
     let drive = scenarios::paper().drive(H);
-    let (plain, _) = run(Method::Kalman, &drive, 1.2, perfect);
-    let (learning, _) = run(Method::Calibrating, &drive, 1.2, perfect);
+    let (plain, _) = run(Method::Kalman, &drive, PARAMETERS[0], perfect);
+    let (learning, _) = run(Method::Calibrating, &drive, PARAMETERS[0], perfect);
     println!("kalman {plain:.1?} %, calibrating {learning:.1?} %");
     assert!(
         (0..3).all(|i| learning[i] < 0.2 * plain[i]),

@@ -4,7 +4,7 @@ use crate::observer::Observer;
 use fmi2_cosim::{Unit as U, Variable};
 
 /// Parameters learnt, with their standard deviations.
-pub(super) const OUTPUTS: [Variable<Observer>; 14] = [
+pub(super) const OUTPUTS: [Variable<Observer>; 16] = [
     learnt(
         "calibration.torqueScale",
         U::ONE,
@@ -89,10 +89,22 @@ pub(super) const OUTPUTS: [Variable<Observer>; 14] = [
         |m| &mut m.y.calibration.deviation[6],
         "Standard deviation of calibration.gearboxInertiaError",
     ),
+    learnt(
+        "calibration.vehicleInertiaError",
+        U::ONE,
+        |m| &mut m.y.calibration.value[7],
+        "nu: relative error of J_v, which is scaled by 1 + nu",
+    ),
+    learnt(
+        "calibration.vehicleInertiaErrorDeviation",
+        U::ONE,
+        |m| &mut m.y.calibration.deviation[7],
+        "Standard deviation of calibration.vehicleInertiaError",
+    ),
 ];
 
 /// Standard deviations at the start, and noises.
-pub(super) const ANCHORS: [Variable<Observer>; 12] = [
+pub(super) const ANCHORS: [Variable<Observer>; 13] = [
     believed(
         "calibration.torqueScaleSigma",
         U::ONE,
@@ -136,10 +148,16 @@ pub(super) const ANCHORS: [Variable<Observer>; 12] = [
         "Standard deviation of calibration.gearboxInertiaError at the start; 0 trusts the parameter: an anchor",
     ),
     believed(
+        "calibration.vehicleInertiaErrorSigma",
+        U::ONE,
+        |m| &mut m.settings.calibrating.sigma[7],
+        "Standard deviation of calibration.vehicleInertiaError at the start; 0 trusts the parameter: an anchor",
+    ),
+    believed(
         "gain.calibrating.clutch",
         U::ONE,
         |m| &mut m.settings.calibrating.q[0],
-        "q_T: intensity of the clutch torques in (N.m)2/s, calibrating",
+        "q_T: intensity of the torque of a slipping clutch in (N.m)2/s, calibrating",
     )
     .tunable(),
     believed(

@@ -1,0 +1,236 @@
+//! The driveline as `calibrating` sees it: the motion, what every state does to it, and the constraint of an
+//! engaged clutch, all with their derivatives.
+//!
+//! ```text
+//! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v, β, δ, w, κ, γ, λ, ν)        torques in units of the reported T_e
+//! J_ed (1+δ) ω_e' = T_e + β − T_c1 − T_c2                    J_out (1+λ) ω_o' = g1 T_c1 + g2 T_c2 − T_o
+//! J_v (1+ν) ω_w' = T_o − T_v − T_r(ω_w) − T_b                T_o = T_s + c (1+γ) (ω_o − ω_w)
+//! T_s' = k (1+κ) (ω_o − ω_w)
+//! ```
+//!
+//! T_r is drag and rolling resistance of (11) on the level; T_v is what remains: the grade, and all errors.
+
+use crate::Params;
+use crate::observer::filter::{Flow, Rows, row};
+use crate::observer::speeds::Speeds;
+use crate::observer::tracker::{SHARED, T_C, T_S, T_V, W_E, W_O, W_W};
+use crate::observer::{Sample, brake};
+use nalgebra::{SVector, Vector4};
+
+/// Number of parameters among the states: β, δ, w, κ, γ, λ, ν.
+pub const LEARNT: usize = 7;
+/// Number of states.
+pub const N: usize = SHARED + LEARNT;
+pub type Vector = SVector<f64, N>;
+
+/// Index of β [N·m]: offset of the engine torque.
+pub const BETA: usize = SHARED;
+/// Index of δ [1]: error of J_ed.
+pub const DELTA: usize = 8;
+/// Index of w [rad/s]: bias of the wheel speed.
+pub const BIAS: usize = 9;
+/// Index of κ [1]: error of k_o.
+pub const KAPPA: usize = 10;
+/// Index of γ [1]: error of c_o.
+pub const GAMMA: usize = 11;
+/// Index of λ [1]: error of J_out.
+pub const LAMBDA: usize = 12;
+/// Index of ν [1]: error of J_v.
+pub const NU: usize = 13;
+
+/// A sample seen with the parameters of a state.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    pub p: &'a Params,
+    pub sample: &'a Sample,
+    pub x: &'a Vector,
+    /// The driveline with what was learnt.
+    pub model: Speeds,
+}
+
+/// The states that move after a step, the rows of Φ, and the mean slope of ω_e, ω_o over it [rad/s²].
+#[derive(Debug, Clone, Copy)]
+pub struct Motion {
+    pub moved: Vector4<f64>,
+    pub rows: Rows<N>,
+    pub slope: [f64; 2],
+}
+
+impl<'a> View<'a> {
+    pub fn new(p: &'a Params, sample: &'a Sample, x: &'a Vector) -> Self {
+        let nominal = Speeds::new(p, sample.gear);
+        let model = Speeds {
+            j_ed: nominal.j_ed * (1.0 + x[DELTA]),
+            j_out: nominal.j_out * (1.0 + x[LAMBDA]),
+            j_v: nominal.j_v * (1.0 + x[NU]),
+            k: nominal.k * (1.0 + x[KAPPA]),
+            c: nominal.c * (1.0 + x[GAMMA]),
+            ..nominal
+        };
+        Self {
+            p,
+            sample,
+            x,
+            model,
+        }
+    }
+
+    /// T_r: drag and rolling resistance on the level [N·m].
+    pub fn resistance(&self) -> f64 {
+        self.p.road.load_torque(self.x[W_W], 0.0)
+    }
+
+    /// Engine torque with its offset [N·m].
+    fn engine_torque(&self) -> f64 {
+        self.sample.t_e + self.x[BETA]
+    }
+
+    /// The slope of the states that move, shape (4).
+    fn slope(&self) -> Vector4<f64> {
+        let x = self.x;
+        let load = x[T_V] + self.resistance() + brake(self.p, self.sample);
+        let torques = Vector4::new(self.engine_torque(), x[T_C], x[T_C + 1], load);
+        self.model.a(None) * x.fixed_rows::<4>(0) + self.model.b(None) * torques
+    }
+
+    /// How all other states change the slope, shape (4, 14), of which the last 10 columns count.
+    ///
+    /// `slope` and `twist` ω_o − ω_w: their means over the step, which makes Φ exact to h³.
+    fn effects(&self, slope: &Vector4<f64>, twist: f64) -> Rows<N> {
+        let (x, model, b) = (self.x, &self.model, self.model.b(None));
+        let mut by = Rows::<N>::zeros();
+        by.fixed_columns_mut::<3>(T_C)
+            .copy_from(&b.fixed_columns::<3>(1));
+        by.set_column(BETA, &b.column(0));
+        by[(W_E, DELTA)] = -slope[W_E] / (1.0 + x[DELTA]);
+        by[(W_O, LAMBDA)] = -slope[W_O] / (1.0 + x[LAMBDA]);
+        by[(W_W, NU)] = -slope[W_W] / (1.0 + x[NU]);
+        by[(T_S, KAPPA)] = slope[T_S] / (1.0 + x[KAPPA]);
+        let damping = model.c * twist / (1.0 + x[GAMMA]);
+        by[(W_O, GAMMA)] = -damping / model.j_out;
+        by[(W_W, GAMMA)] = damping / model.j_v;
+        by
+    }
+
+    /// The motion over a step `h` [s] with the parameters held.
+    ///
+    /// `seen`: slopes of ω_e, ω_o that δ and λ are seen by, given the mean slopes over the step.
+    pub fn motion(&self, h: f64, seen: impl FnOnce([f64; 2]) -> [f64; 2]) -> Motion {
+        let (x, flow) = (self.x, Flow::new(&self.model, h));
+        let change = flow.gamma * self.slope();
+        let moved = x.fixed_rows::<4>(0) + change;
+        let twist = 0.5 * (x[W_O] - x[W_W] + moved[W_O] - moved[W_W]);
+        let mut mean = change / h;
+        let slope = [mean[W_E], mean[W_O]];
+        [mean[W_E], mean[W_O]] = seen(slope);
+        Motion {
+            moved,
+            rows: flow.rows(&self.effects(&mean, twist)),
+            slope,
+        }
+    }
+
+    /// What T_ci of the engaged clutch `i` is above its constraint torque [N·m], and the derivative of that.
+    pub fn constraint(&self, i: usize) -> (f64, Vector) {
+        let (x, model) = (self.x, &self.model);
+        let motion = x.fixed_rows::<4>(0).into_owned();
+        let (t_e, other) = (self.engine_torque(), x[T_C + 1 - i]);
+        let excess = x[T_C + i] - model.constraint_torque(&motion, i, t_e, other);
+        let (g, g_j) = (model.g[i], model.g[1 - i]);
+        let together = model.j_out + g * g * model.j_ed;
+        let share = model.j_ed * g / together;
+        let twist = x[W_O] - x[W_W];
+        let acting = g * (t_e - other) + g_j * other - model.t_o(&motion);
+        let inertia = share * acting * model.j_out / together;
+        let derivative = row(&[
+            (T_C + i, 1.0),
+            (T_C + 1 - i, 1.0 + share * (g_j - g)),
+            (T_S, -share),
+            (W_O, -share * model.c),
+            (W_W, share * model.c),
+            (BETA, share * g - 1.0),
+            (DELTA, inertia / (1.0 + x[DELTA])),
+            (LAMBDA, -inertia / (1.0 + x[LAMBDA])),
+            (GAMMA, -share * self.p.c_o * twist),
+        ]);
+        (excess, derivative)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{N, Vector, View};
+    use crate::Params;
+    use crate::observer::Sample;
+    use nalgebra::Vector4;
+
+    /// Step of the central differences, in units of the state.
+    const STEP: f64 = 1e-4;
+
+    fn sample() -> Sample {
+        Sample {
+            t_e: 60.0,
+            omega_e: 180.0,
+            omega_c: [170.0, 110.0],
+            omega_w: 9.3,
+            gear: [1, 2],
+            t_brake: 40.0,
+            ..Sample::default()
+        }
+    }
+
+    fn state() -> Vector {
+        Vector::from([
+            181.0, 9.5, 9.3, 700.0, 42.0, -11.0, 260.0, 1.5, -0.1, 0.01, 0.07, -0.15, 0.1, -0.1,
+        ])
+    }
+
+    /// Central difference of `f` by state `j`.
+    fn slope<T>(f: impl Fn(&Vector) -> T, j: usize) -> T
+    where
+        T: core::ops::Sub<Output = T> + core::ops::Div<f64, Output = T>,
+    {
+        let [up, down] = [STEP, -STEP].map(|step| {
+            let mut x = state();
+            x[j] += step;
+            f(&x)
+        });
+        (up - down) / (2.0 * STEP)
+    }
+
+    /// In every state; the rows leave out h³, and the slope of the resistance by ω_w (2 of 134 N·m a rad/s).
+    #[test]
+    fn rows_of_phi_are_the_derivative_of_the_motion() {
+        let (p, sample) = (Params::TABLE_1, sample());
+        let units = Vector4::new(1.0, 1.0, 1.0, 500.0);
+        for (h, tolerance) in [(1e-3, 1e-4), (1e-2, 1e-2)] {
+            let motion = |x: &Vector| View::new(&p, &sample, x).motion(h, |slope| slope);
+            let rows = motion(&state()).rows;
+            for j in 0..N {
+                let truth = slope(|x| motion(x).moved, j).component_div(&units);
+                let ours = rows.column(j).component_div(&units);
+                let error = (truth - ours).amax() / truth.amax().max(h);
+                assert!(error < tolerance, "h = {h} s, state {j}: {truth} {ours}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivative_of_the_constraint_is_exact() {
+        const TOLERANCE: f64 = 1e-6;
+        let (p, sample) = (Params::TABLE_1, sample());
+        for i in [0, 1] {
+            let at = |x: &Vector| View::new(&p, &sample, x).constraint(i);
+            let row = at(&state()).1;
+            for j in 0..N {
+                let truth = slope(|x| at(x).0, j);
+                let error = (truth - row[j]).abs() / truth.abs().max(1.0);
+                assert!(
+                    error < TOLERANCE,
+                    "clutch {i}, state {j}: {truth} {}",
+                    row[j]
+                );
+            }
+        }
+    }
+}
