@@ -16,6 +16,7 @@ from dct_harness.stepper import Stepper
 from harness_fixture.lag_fmu import write_system
 
 BIN = Path(sys.executable).parent
+ACTIONLINT = ("actionlint", "-shellcheck=", "-pyflakes=")  # without what a machine may have
 TESTS = """
 import pytest
 
@@ -114,13 +115,33 @@ def test_examples_of_the_templates_pass(repo_root: Path) -> None:
     ("check-jsonschema", "--builtin-schema", "vendor.gitlab-ci", "--data-transform", "gitlab-ci",
      "gitlab-ci.yml"),
     ("zizmor", "--offline", "--persona", "pedantic", "--no-progress", "github-actions.yml"),
-], ids=["GitHub schema", "GitLab schema", "zizmor"])  # fmt: skip
+    (*ACTIONLINT, "github-actions.yml"),
+], ids=["GitHub schema", "GitLab schema", "zizmor", "actionlint"])  # fmt: skip
 def test_templates_are_linted(repo_root: Path, command: tuple[str, ...]) -> None:
     done = subprocess.run(
         [BIN / command[0], *command[1:]], cwd=repo_root / "examples/ci", capture_output=True,
         text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(("right", "wrong", "said"), [
+    ("github.ref", "github.reff", 'property "reff" is not defined'),
+    ("ubuntu-24.04", "ubuntu-24.40", 'label "ubuntu-24.40" is unknown'),
+    ("if: always()", "if: allways()", 'undefined function "allways"'),
+])  # fmt: skip
+def test_actionlint_finds_what_a_schema_cannot(
+    repo_root: Path, tmp_path: Path, right: str, wrong: str, said: str
+) -> None:
+    text = (repo_root / "examples/ci/github-actions.yml").read_text(encoding="utf-8")
+    assert right in text
+    (tmp_path / "spoilt.yml").write_text(text.replace(right, wrong))
+    done = subprocess.run(
+        [BIN / ACTIONLINT[0], *ACTIONLINT[1:], "spoilt.yml"], cwd=tmp_path, capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert said in done.stdout
 
 
 def steps(repo_root: Path, template: str) -> list[str]:

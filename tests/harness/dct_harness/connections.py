@@ -22,7 +22,7 @@ from .units import Unit, conversion
 from .values import group_of
 
 
-def resolve(system: System, fmus: dict[str, Fmu], signals: list[str]) -> dict[str, str]:
+def resolve(system: System, fmus: Mapping[str, Fmu | Mapped], signals: list[str]) -> dict[str, str]:
     """Return input -> source, both as `<component>.<variable>`; constants are left out."""
     outputs = {f"{n}.{v.name}" for n, f in fmus.items() for v in f.outputs}
     known = outputs | {f"scenario.{name}" for name in signals}
@@ -74,7 +74,7 @@ def types(fmus: Mapping[str, Fmu | Mapped]) -> dict[str, str]:
 
 
 def check_types(
-    system: System, fmus: dict[str, Fmu], sources: dict[str, str], script: Scenario
+    system: System, fmus: Mapping[str, Fmu | Mapped], sources: dict[str, str], script: Scenario
 ) -> None:
     """Refuse a connection that would change values: types differ, or a scenario breaks one."""
     typed = types(fmus)

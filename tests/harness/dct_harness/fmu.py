@@ -152,7 +152,7 @@ class Fmu(Ports):
 
     def _set_slopes(self) -> None:
         """Set the input derivatives, if there are any."""
-        if self._steer is None:
+        if self._steer is None or self._slopes is None:
             return
         call, values = self._steer
         self._slopes.take(self._followed, out=values)
@@ -185,7 +185,9 @@ class Fmu(Ports):
             self._fail("fmi2GetRealOutputDerivatives", status)
         return values
 
-    def _transfers(self, verb: str, variables: list[Any], values: np.ndarray) -> list[tuple]:
+    def _transfers(
+        self, verb: str, variables: list[Any], values: np.ndarray
+    ) -> list[tuple[Any, ...]]:
         """Return per type: the call, the narrow buffer it uses or None, the float view.
 
         Arguments are made once, as the C types they have; ctypes then converts nothing per call.

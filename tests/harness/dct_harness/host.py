@@ -30,8 +30,10 @@ GROUPS = ("Real", "Integer", "Boolean")
 CALLS = ("fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2DoStep",
          "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2SetRealInputDerivatives",
          )  # fmt: skip
-CTYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int,
-          "String": ctypes.c_char_p}  # fmt: skip
+CTYPES: dict[str, Any] = {
+    "Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int,
+    "String": ctypes.c_char_p,
+}  # fmt: skip
 LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p,
                           ctypes.c_char_p)  # fmt: skip
 ALLOCATE = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t)

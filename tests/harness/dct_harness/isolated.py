@@ -56,13 +56,20 @@ class Isolated(Fmu):
 
     def __init__(self, name: str, path: Path, limits: Limits) -> None:
         self.limits = limits
-        self._remote: Remote | None = None
+        self._process: Remote | None = None
         self._shared: Any = None
         self._dropped, self._moved = 0, False
         super().__init__(name, path)
 
+    @property
+    def _remote(self) -> Remote:
+        """The process of the FMU; an error after `close`."""
+        if self._process is None:
+            raise FmuRuntimeError(f"{self.name} is closed")
+        return self._process
+
     def _load(self, identifier: str) -> Any:
-        self._remote = Remote(self.name, self.limits.seconds)
+        self._process = Remote(self.name, self.limits.seconds)
         tool = str(self.description.coSimulation.needsExecutionTool).lower() == "true"
         why = self._remote.ask(
             "load", "loading its library", library=str(self.library), proxy=_proxy(), tool=tool,
@@ -149,7 +156,7 @@ class Isolated(Fmu):
         """As `Fmu.attempt`."""
         self._sent[:] = self._buffers[0]
         self._shared[0], self._shared[1] = t, h
-        if self._steer is not None:
+        if self._steer is not None and self._slopes is not None:
             self._slopes.take(self._followed, out=self._turned[: len(self._followed)])
         if self._do(b"S", "fmi2DoStep") == DISCARD:
             return DISCARD
@@ -181,10 +188,10 @@ class Isolated(Fmu):
         """Terminate and free if the process still answers; end it, remove the directory."""
         self._slave = None
         try:
-            if self._remote is not None:
-                self._part(self._remote)
+            if self._process is not None:
+                self._part(self._process)
         finally:
-            self._remote = None
+            self._process = None
             self.remove_directory()
 
     def _part(self, remote: Remote) -> None:
@@ -200,8 +207,8 @@ class Isolated(Fmu):
 
     def remove_directory(self) -> None:
         """Remove the unpacked archive, and the process if it is still there."""
-        if self._remote is not None:
-            self._remote.kill()
+        if self._process is not None:
+            self._process.kill()
         super().remove_directory()
 
 

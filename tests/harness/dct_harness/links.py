@@ -160,7 +160,8 @@ class Translation:
         self._to = np.array([targets.index(t) for _, t in ends], dtype=np.intp)
         self._names = ends
         gain, shift = (np.array([getattr(k, f) for k in links]) for f in ("gain", "shift"))
-        self._gain, self._shift = (1 / gain, -shift / gain) if outward else (gain, shift)
+        self._gain: np.ndarray = 1 / gain if outward else gain
+        self._shift: np.ndarray = -shift / gain if outward else shift
         step = -1 if outward else 1  # the first of several rows of theirs is the one we send
         self._tables = [
             (n, {(o if outward else t): (t if outward else o) for o, t in k.table[::step]})

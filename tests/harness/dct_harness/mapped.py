@@ -105,9 +105,9 @@ class Mapped:
             )  # fmt: skip
         return name, value
 
-    def shared(self, values: dict[str, Any]) -> dict[str, float]:
+    def shared(self, values: dict[str, Any]) -> dict[str, Any]:
         """Return the mapped parameters by our names in SI; `values` are what a run sets."""
-        found = {}
+        found: dict[str, Any] = {}
         for name, link in self._set.items():
             given = values.get(name, values.get(link.theirs.name))
             if name in values:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -96,9 +96,10 @@ class Run:
         """Let the plant speak by our names, and share what others need to know of it."""
         if self.mapping is None:
             return
-        self.fmus["plant"] = Mapped(self.fmus["plant"], self.mapping)
+        plant = Mapped(cast(Fmu, self.fmus["plant"]), self.mapping)
+        self.fmus["plant"] = plant
         given = {n: c.parameters for n, c in self.system.components.items()}
-        apply_shared(self.mapping, self.fmus["plant"], self.fmus, given)
+        apply_shared(self.mapping, plant, self.fmus, given)
 
     def _wire(self) -> None:
         """Lay out scenario signals and outputs in one vector, and where each input reads it."""

@@ -11,8 +11,9 @@ import subprocess
 import sys
 import threading
 import time
+from io import BufferedReader
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, cast
 
 from . import host
 from .errors import FmuRuntimeError, RunTimeoutError
@@ -32,7 +33,8 @@ class Remote:
             [sys.executable, host.__file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, start_new_session=True,
         )  # fmt: skip
-        self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
+        self._pipes = (self._process.stdin, self._process.stdout, self._process.stderr)
+        self._to, self._from = (cast(IO[bytes], pipe).fileno() for pipe in self._pipes[:2])
         self._poll = select.poll()
         self._poll.register(self._from, select.POLLIN)
         self._drained = threading.Thread(target=self._drain, daemon=True)
@@ -41,7 +43,7 @@ class Remote:
     def _drain(self) -> None:
         """Take what the FMU prints, so that it never waits; keep the end."""
         with contextlib.suppress(OSError, ValueError):
-            while part := self._process.stderr.read1(1 << 16):
+            while part := cast(BufferedReader, self._pipes[2]).read1(1 << 16):
                 self._printed += part
                 del self._printed[:-TAIL]
 
@@ -128,7 +130,7 @@ class Remote:
     def close(self) -> None:
         """Let the process end by itself, then make sure."""
         with contextlib.suppress(OSError):
-            self._process.stdin.close()
+            cast(IO[bytes], self._pipes[0]).close()
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(GRACE)
         self.kill()
@@ -142,9 +144,9 @@ class Remote:
         with contextlib.suppress(OSError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
+        for pipe in self._pipes[:2]:
             with contextlib.suppress(OSError):
-                pipe.close()
+                cast(IO[bytes], pipe).close()
 
 
 def _descendants(pid: int) -> list[int]:

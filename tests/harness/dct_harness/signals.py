@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from typing import Any
 
 from .fmu import Fmu
+from .mapped import Mapped
 from .values import group_of, unit_of
 
 TIME = {"time": {"unit": "s", "type": "Real"}}
 
 
 def describe(
-    names: list[str], fmus: dict[str, Fmu], sources: dict[str, str], changed: Container[str]
+    names: list[str],
+    fmus: Mapping[str, Fmu | Mapped],
+    sources: dict[str, str],
+    changed: Container[str],
 ) -> dict[str, dict[str, Any]]:
     """Return unit and type by name; a scenario signal has those of the inputs it feeds.
 

@@ -43,8 +43,11 @@ def section(view: View) -> Json | None:
 def _model(view: View) -> shaft.Reduced | None:
     """Return the model with the plant's parameters, for gears that stay."""
     plant = view.run.get("parameters", {}).get("plant", {})
-    gears = [view.results.signals.get(f"scenario.shaft{i}.gear") for i in (1, 2)]
-    if any(n not in view.results for n in NEEDED) or any(g is None or np.ptp(g) for g in gears):
+    names = [f"scenario.shaft{i}.gear" for i in (1, 2)]
+    if any(n not in view.results for n in (*NEEDED, *names)):
+        return None
+    gears = [view.results[n] for n in names]
+    if any(np.ptp(gear) for gear in gears):
         return None
     try:
         ratios = [
@@ -52,9 +55,9 @@ def _model(view: View) -> shaft.Reduced | None:
             * plant[f"shaft{i}.gearRatio[{(int(gear[0]) + 1) // 2}]"]["value"]
             for i, gear in zip((1, 2), gears, strict=True)
         ]
-        names = ("clutch1.inertia", "clutch2.inertia", "output.inertia", "vehicle.wheelInertia",
+        wanted = ("clutch1.inertia", "clutch2.inertia", "output.inertia", "vehicle.wheelInertia",
                  "driveShaft.stiffness", "driveShaft.damping")  # fmt: skip
-        one, two, output, wheel, stiffness, damping = (plant[n]["value"] for n in names)
+        one, two, output, wheel, stiffness, damping = (plant[n]["value"] for n in wanted)
     except KeyError:
         return None
     if not all(ratios):

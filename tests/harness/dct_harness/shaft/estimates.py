@@ -105,7 +105,7 @@ def identify(
     residual, total = (torque - x @ beta)[inside], torque[inside] - torque[inside].mean()
     share = 1 - float(residual @ residual / (total @ total))
     first, last = time[inside][[0, -1]].tolist()
-    return Fit(method, *found, share, int(inside.sum()), first, last)
+    return Fit(method, found[0], found[1], share, int(inside.sum()), first, last)
 
 
 def _regressors(rate: np.ndarray, step: float, offset: bool) -> np.ndarray:
