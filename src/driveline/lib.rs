@@ -20,6 +20,7 @@ mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;
 mod plant_ports;
+mod plant_quiet;
 mod plant_rows;
 mod plant_springs;
 mod plant_tangent;

@@ -134,6 +134,9 @@ impl Plant {
         rate: &InputRate,
         mut report: impl FnMut(f64, [Mode; 5], [Mode; 5]),
     ) {
+        if self.step_quietly(p, ladders.of(p, self.coupling()), input, rate) {
+            return;
+        }
         let varies = p.friction_varies();
         let mut place = None;
         let p = p.with_static_friction(&mut place);
@@ -330,17 +333,7 @@ impl Plant {
 
     /// Moves to the end of a block and books its work.
     fn accept(&mut self, systems: &Systems, rung: &Rung, block: &Block) {
-        let work = rung.work(&block.z, &block.motion);
-        self.work.engine += work[0];
-        for i in [0, 1] {
-            *if self.synchroniser[i] == Mode::Open {
-                &mut self.work.friction[i]
-            } else {
-                &mut self.work.synchroniser
-            } += work[1 + i];
-        }
-        self.work.load += work[3];
-        self.work.viscous += rung.viscous_loss(&block.z);
+        self.book(rung, &block.z, &rung.work(&block.z, &block.motion));
         self.x = block.x_end;
         self.hold_ratios(systems.rigid_ratio);
         project(systems, stuck_set(self.modes), &mut self.x);

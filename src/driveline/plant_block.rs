@@ -34,7 +34,7 @@ pub(crate) fn torques(
 }
 
 /// z = (x, v, v').
-fn augmented(x: &State, v: &Torques, v_dot: &Torques) -> Augmented {
+pub(crate) fn augmented(x: &State, v: &Torques, v_dot: &Torques) -> Augmented {
     let mut z = Augmented::zeros();
     let (states, torques) = z.as_mut_slice().split_at_mut(STATES);
     let (torques, ramps) = torques.split_at_mut(TORQUES);
@@ -253,7 +253,13 @@ fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
 /// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method.
 ///
 /// `load`: T_v [N·m] and its slope at a wheel speed.
-fn load_ramp(rung: &Rung, z: &Augmented, motion: &Motion, load: impl Fn(f64) -> (f64, f64)) -> f64 {
+#[inline(always)]
+pub(crate) fn load_ramp(
+    rung: &Rung,
+    z: &Augmented,
+    motion: &Motion,
+    load: impl Fn(f64) -> (f64, f64),
+) -> f64 {
     let t_v = z[STATES + TORQUES - 1];
     let held = motion.wheel_speed(z);
     let gain = rung.wheel_speed_by_load_ramp();

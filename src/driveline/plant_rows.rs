@@ -31,14 +31,27 @@ impl Row {
         dot(&self.x, &x.data.0[0]) + self.of_torques(v)
     }
 
+    /// The quantity, from states and torques in one array.
+    #[inline(always)]
+    pub(crate) fn at(&self, instant: &[f64; STATES + TORQUES]) -> f64 {
+        let (x, v) = instant.split_at(STATES);
+        dot(&self.x, x) + dot(&self.v, v)
+    }
+
     /// What the torques alone make of it.
     pub fn of_torques(&self, v: &Torques) -> f64 {
         dot(&self.v, &v.data.0[0])
     }
+
+    /// What torque `q` of T_e, T_c1, T_c2, T_v alone makes of it.
+    pub(crate) fn of_torque(&self, q: usize, torque: f64) -> f64 {
+        self.v[q] * torque
+    }
 }
 
 /// Σ a b of an even number of entries, in two lanes.
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+#[inline(always)]
+fn dot<const N: usize>(a: &[f64; N], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 2];
     for (a, b) in a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0) {
         lanes[0] += a[0] * b[0];

@@ -95,7 +95,7 @@ impl Rung {
         for (column, z) in self.columns[..=STATES].iter().zip(z) {
             add(&mut rows, column, *z);
         }
-        for (column, &z) in self.columns.iter().zip(z).skip(STATES + 1) {
+        for (column, &z) in self.columns[STATES + 1..].iter().zip(&z[STATES + 1..]) {
             if z != 0.0 {
                 add(&mut rows, column, z);
             }
@@ -130,9 +130,12 @@ impl Rung {
     #[inline(always)]
     pub fn work(&self, z: &Augmented, motion: &Motion) -> Torques {
         let (z, [.., angle_e, angle_w, moment_w, moment_e]) = (entries(z), motion.0);
-        let friction = |i: usize| match (z[STATES + 1 + i], z[RAMP + 1 + i]) {
-            (0.0, 0.0) => 0.0,
-            (torque, ramp) => torque * dot(&self.slips[i], z) + ramp * dot(&self.slips[2 + i], z),
+        let friction = |i: usize| {
+            let (torque, ramp) = (z[STATES + 1 + i], z[RAMP + 1 + i]);
+            if torque == 0.0 && ramp == 0.0 {
+                return 0.0;
+            }
+            torque * dot(&self.slips[i], z) + ramp * dot(&self.slips[2 + i], z)
         };
         Torques::from([
             z[STATES] * angle_e + z[RAMP] * moment_e,

@@ -14,6 +14,9 @@ use nalgebra::ComplexField;
 
 use crate::params::RoadParams;
 
+/// Argument beyond which tanh is 1 to the last bit.
+const SATURATED: f64 = 22.0;
+
 impl RoadParams {
     /// T_v of (11): load torque at the wheel [N·m], positive when it brakes forward motion.
     ///
@@ -36,9 +39,14 @@ impl RoadParams {
         let (mut force, mut slope) = (self.weight() * grade.sin + drag * v, 2.0 * drag);
         if self.v_eps > 0.0 {
             let roll = self.weight() * grade.cos * self.c_rr;
-            let direction = ComplexField::tanh(v / self.v_eps);
-            force += roll * direction;
-            slope += roll * (1.0 - direction * direction) / self.v_eps;
+            let ratio = v / self.v_eps;
+            if ratio.abs() > SATURATED {
+                force += roll.copysign(ratio);
+            } else {
+                let direction = ComplexField::tanh(ratio);
+                force += roll * direction;
+                slope += roll * (1.0 - direction * direction) / self.v_eps;
+            }
         }
         (self.r_w * force, self.r_w * self.r_w * slope)
     }
