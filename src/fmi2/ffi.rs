@@ -138,6 +138,11 @@ impl<M: Model> Library<M> {
         }
     }
 
+    /// The number behind the GUID, which is also in every serialised state.
+    fn table_hash(&self) -> u128 {
+        *self.guid.get_or_init(guid::table_hash::<M>)
+    }
+
     /// The way into an instance for every function.
     fn enter_component(
         &self,
@@ -224,7 +229,7 @@ impl<M: Model> Library<M> {
         let made = catch_unwind(AssertUnwindSafe(|| {
             // SAFETY: the importer's promise.
             let (guid, mut reporter) = unsafe { (text(guid), Reporter::new(name, callbacks)) };
-            let hash = *self.guid.get_or_init(guid::table_hash::<M>);
+            let hash = self.table_hash();
             if let Err(error) = request::check(&reporter.name, kind, guid, hash) {
                 reporter.send(Category::Error, format_args!("fmi2Instantiate: {error}"));
                 return null_mut();

@@ -62,6 +62,15 @@ pub trait Model: Clone + Default + Send + 'static {
     /// hidden state. It is written to and read from serialised FMU states in this order.
     fn hidden_state(&mut self, fields: &mut dyn StateFields);
 
+    /// Whether the parameters fit together. [`Self::initialize`] makes sure that they do; a serialised
+    /// state of a run whose parameters do not is refused.
+    ///
+    /// # Errors
+    /// [`Failure::Invalid`] with the variable to blame.
+    fn consistent(&self) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Called after a serialised state was read back: rebuild what is derived from parameters.
     fn restored(&mut self) {}
 }

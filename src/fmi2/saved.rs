@@ -9,7 +9,7 @@
 
 use crate::guid::table_hash;
 use crate::hash::Hash;
-use crate::{Access, Error, Model, State, StateFields};
+use crate::{Access, Causality, Error, Model, State, StateFields, Value as _, Variable};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
 const VERSION: u32 = 1;
@@ -44,10 +44,15 @@ impl<M: Model> Saved<M> {
     /// The state as bytes; their number is the same for every state of a model.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
+        self.to_bytes_under(table_hash::<M>())
+    }
+
+    /// As [`Self::to_bytes`], with the table's hash, which takes longer than all the rest, known.
+    pub(crate) fn to_bytes_under(&self, guid: u128) -> Vec<u8> {
         let mut payload = Writer(Vec::new());
         self.clone().visit(&mut payload);
         let Writer(payload) = payload;
-        let mut bytes = header::<M>(&payload);
+        let mut bytes = header(guid, &payload);
         bytes.extend(payload);
         bytes
     }
@@ -57,7 +62,12 @@ impl<M: Model> Saved<M> {
     /// # Errors
     /// [`Error::Serialised`] when the bytes are of another FMU or version, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        let payload = checked_payload::<M>(bytes)?;
+        Self::from_bytes_under(table_hash::<M>(), bytes)
+    }
+
+    /// As [`Self::from_bytes`], with the table's hash known.
+    pub(crate) fn from_bytes_under(guid: u128, bytes: &[u8]) -> Result<Self, Error> {
+        let payload = checked_payload(guid, bytes)?;
         let mut reader = Reader {
             rest: payload,
             intact: true,
@@ -67,8 +77,25 @@ impl<M: Model> Saved<M> {
         if !reader.intact || !reader.rest.is_empty() {
             return Err(Error::Serialised("does not hold the fields of this model"));
         }
+        saved.check()?;
         saved.model.restored();
         Ok(saved)
+    }
+
+    /// Refuses what no run can leave behind, however well its checksum fits: a model need not stand it.
+    fn check(&mut self) -> Result<(), Error> {
+        let times = self.time.is_finite() && self.start.is_finite() && !self.stop.is_nan();
+        if !times {
+            return Err(Error::Serialised("holds times that are none"));
+        }
+        let runs = matches!(self.state, State::StepComplete | State::Terminated);
+        for row in M::VARIABLES {
+            check_row(row, &mut self.model, runs)?;
+        }
+        let fits = !runs || self.model.consistent().is_ok();
+        fits.then_some(()).ok_or(Error::Serialised(
+            "holds parameters that contradict each other",
+        ))
     }
 
     /// Every field, in the order of the payload.
@@ -94,18 +121,39 @@ impl<M: Model> Saved<M> {
     }
 }
 
-fn header<M: Model>(payload: &[u8]) -> Vec<u8> {
+/// Limits hold always; what is computed is finite unless the model failed.
+fn check_row<M>(row: &Variable<M>, model: &mut M, runs: bool) -> Result<(), Error> {
+    let set = matches!(row.causality, Causality::Input | Causality::Parameter);
+    let sound = match row.access {
+        Access::Real(field) if set => field(model).check(row).is_ok(),
+        Access::Real(field) => !runs || field(model).is_finite(),
+        Access::Integer(field) | Access::Enumeration(field, _) if set => {
+            field(model).check(row).is_ok()
+        }
+        _ => true,
+    };
+    let rate = row.rate.is_none_or(|field| field(model).is_finite());
+    if sound && rate {
+        Ok(())
+    } else {
+        Err(Error::Serialised(
+            "holds a value that its variable cannot have",
+        ))
+    }
+}
+
+fn header(guid: u128, payload: &[u8]) -> Vec<u8> {
     let length = u64::try_from(payload.len()).unwrap_or(u64::MAX);
     let mut bytes = MAGIC.to_vec();
     bytes.extend(VERSION.to_le_bytes());
-    bytes.extend(table_hash::<M>().to_le_bytes());
+    bytes.extend(guid.to_le_bytes());
     bytes.extend(length.to_le_bytes());
     bytes.extend(checksum(payload).to_le_bytes());
     bytes
 }
 
 /// The payload, once its header proves that it is one of this model.
-fn checked_payload<M: Model>(bytes: &[u8]) -> Result<&[u8], Error> {
+fn checked_payload(wanted: u128, bytes: &[u8]) -> Result<&[u8], Error> {
     let cut = Error::Serialised("is cut short");
     let (magic, rest) = take::<8>(bytes).ok_or(cut.clone())?;
     let (version, rest) = take::<4>(rest).ok_or(cut.clone())?;
@@ -116,7 +164,7 @@ fn checked_payload<M: Model>(bytes: &[u8]) -> Result<&[u8], Error> {
         "does not begin like one"
     } else if u32::from_le_bytes(version) != VERSION {
         "is of another version of its format"
-    } else if u128::from_le_bytes(guid) != table_hash::<M>() {
+    } else if u128::from_le_bytes(guid) != wanted {
         "is of a model with another GUID"
     } else if usize::try_from(u64::from_le_bytes(length)) != Ok(payload.len()) {
         "has another length than it says"

@@ -154,8 +154,7 @@ impl Model for ClutchControl {
     };
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
-        check_maps(&self.p)?;
-        self.check_stroke()?;
+        self.consistent()?;
         self.state = State {
             t_o: Rate::at(self.estimate.t_o),
             ..State::default()
@@ -174,6 +173,11 @@ impl Model for ClutchControl {
             self.state.servo[i].step(&self.p.clutch[i], &self.tuning[i], &demand, step);
         }
         Ok(())
+    }
+
+    fn consistent(&self) -> Result<(), Failure> {
+        check_maps(&self.p)?;
+        self.check_stroke()
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {

@@ -133,7 +133,7 @@ impl Model for Observer {
     };
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
-        check_maps(&self.p)?;
+        self.consistent()?;
         self.take_settings();
         self.state = Selected::new(table::method(self.method));
         self.y = self.state.start(&self.p, &self.settings, &self.u);
@@ -151,6 +151,10 @@ impl Model for Observer {
         self.check_finite(end)?;
         self.tell(&before, end, log);
         Ok(())
+    }
+
+    fn consistent(&self) -> Result<(), Failure> {
+        check_maps(&self.p)
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {

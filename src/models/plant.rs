@@ -241,7 +241,7 @@ impl Model for Plant {
     };
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
-        check_maps(&self.p)?;
+        self.consistent()?;
         self.refused = self.gear;
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
@@ -302,6 +302,10 @@ impl Model for Plant {
         let (v, acceleration) = (self.speed(), self.y.vehicle_acceleration);
         let jerk_rate = self.jerk_filter.jerk_rate(v, acceleration, self.jerk_time);
         self.comfort_rate = [self.comfort[1], jerk_rate];
+    }
+
+    fn consistent(&self) -> Result<(), Failure> {
+        check_maps(&self.p)
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {

@@ -51,7 +51,7 @@ impl<M: Model> Library<M> {
             // SAFETY: the importer's promise.
             let size = unsafe { place("size", size)? };
             self.with_state(state, |saved| {
-                *size = saved.to_bytes().len();
+                *size = saved.to_bytes_under(self.table_hash()).len();
                 Ok(())
             })
         })
@@ -68,7 +68,7 @@ impl<M: Model> Library<M> {
         self.enter(component, Call::SerializeFMUstate, |instance, _| {
             instance.permit(Call::SerializeFMUstate)?;
             self.with_state(state, |saved| {
-                let saved = saved.to_bytes();
+                let saved = saved.to_bytes_under(self.table_hash());
                 if size < saved.len() {
                     return Err(Error::Pointer("size"));
                 }
@@ -91,7 +91,7 @@ impl<M: Model> Library<M> {
         self.enter(component, Call::DeSerializeFMUstate, |instance, _| {
             instance.permit(Call::DeSerializeFMUstate)?;
             // A size that no state of this model has is refused before a byte is read.
-            if size != instance.save()?.to_bytes().len() {
+            if size != instance.save()?.to_bytes_under(self.table_hash()).len() {
                 return Err(Error::Serialised(
                     "has another length than those of this model",
                 ));
@@ -100,7 +100,7 @@ impl<M: Model> Library<M> {
             let bytes = unsafe { slice("serializedState", bytes, size)? };
             // SAFETY: the importer's promise.
             let state = unsafe { place("FMUstate", state)? };
-            self.put_state(state, || Saved::from_bytes(bytes))
+            self.put_state(state, || Saved::from_bytes_under(self.table_hash(), bytes))
         })
     }
 

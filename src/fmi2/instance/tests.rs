@@ -86,6 +86,12 @@ impl Model for Tank {
     ];
 
     fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+        self.consistent()?;
+        self.level = 1.0;
+        Ok(())
+    }
+
+    fn consistent(&self) -> Result<(), Failure> {
         if self.area <= 0.0 {
             return Err(Failure::Invalid {
                 variable: "area",
@@ -93,7 +99,6 @@ impl Model for Tank {
                 remedy: "must be above 0",
             });
         }
-        self.level = 1.0;
         Ok(())
     }
 
@@ -301,6 +306,42 @@ fn damaged_states_are_refused() {
         );
     }
     assert!(Saved::<Tank>::from_bytes(&[&bytes[..], &[0]].concat()).is_err());
+}
+
+/// A state whose payload was written over at `at`, under a checksum that fits.
+fn forged(bytes: &[u8], at: usize, value: &[u8]) -> Vec<u8> {
+    const CHECKSUM: core::ops::Range<usize> = 36..52;
+    let mut forged = bytes.to_vec();
+    forged[CHECKSUM.end + at..][..value.len()].copy_from_slice(value);
+    let mut hash = crate::hash::Hash::new();
+    hash.bytes(&forged[CHECKSUM.end..]);
+    forged[CHECKSUM].copy_from_slice(&hash.value().to_le_bytes());
+    forged
+}
+
+#[test]
+fn states_that_no_run_can_leave_behind_are_refused_though_their_checksum_fits() {
+    // State, stale, three times, area, gain, inflow with its rate, level with its slope, inflow again.
+    let [time, stop, area, rate, level, inflow] = [2, 18, 26, 50, 58, 66];
+    let bytes = running().save().unwrap().to_bytes();
+    assert!(Saved::<Tank>::from_bytes(&forged(&bytes, inflow, &1.0_f64.to_le_bytes())).is_ok());
+    let cases = [
+        (time, f64::NAN),
+        (stop, f64::NAN),
+        (area, 50.1),
+        (area, -1.0),
+        (inflow, -0.1),
+        (inflow, f64::INFINITY),
+        (rate, f64::NAN),
+        (level, f64::INFINITY),
+    ];
+    for (at, value) in cases {
+        let refused = Saved::<Tank>::from_bytes(&forged(&bytes, at, &value.to_le_bytes()));
+        assert!(
+            matches!(refused, Err(Error::Serialised(_))),
+            "{value} at {at}"
+        );
+    }
 }
 
 #[test]
