@@ -116,6 +116,7 @@ const fn remedy(fault: Fault) -> &'static str {
         Fault::NoSpeed | Fault::Frozen => "check the speed sensors and their connections",
         Fault::Saturated => "check the force-position maps and nominal frictions",
         Fault::Diverged => "check the ratios, inertias and gains",
+        Fault::Inconsistent => "check the sensors, their deviation among the gains, and the ratios",
     }
 }
 

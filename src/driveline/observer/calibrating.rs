@@ -166,7 +166,7 @@ impl Observer for Calibrating {
         self.follow_force(sample, hold);
         self.predict(p, settings, sample, hold, h);
         let sensor = settings.calibrating.sensor;
-        self.tracker.correct(p, sample, sensor, &wheel());
+        self.tracker.correct(p, sample, sensor, &wheel(), h);
         self.constrain(p, sample, h);
         let bounded = self.project();
         let monitor = &mut self.tracker.monitor;

@@ -112,7 +112,7 @@ impl Observer for Kalman {
         self.tracker.follow(p, sample, &wheel(), h);
         self.predict(p, settings, sample, h);
         let sigma = settings.kalman.sigma;
-        self.tracker.correct(p, sample, sigma, &wheel());
+        self.tracker.correct(p, sample, sigma, &wheel(), h);
         self.tracker.watch(p, settings, sample, h);
         self.tracker.estimate(p, settings, sample, p.c_o)
     }

@@ -146,6 +146,9 @@ pub struct Estimate {
     pub friction: [f64; 2],
     /// x1 − x̂1 [rad/s] and x2 − x̂2 [rad/s].
     pub innovation: [f64; 2],
+    /// Innovation² of the speeds over what a filter expects [1]: 1 where it is right about itself; 0 of methods
+    /// that expect nothing.
+    pub consistency: f64,
     /// Clutch is taken as fully engaged, shape (2).
     pub engaged: [bool; 2],
     /// Standard deviation of T̂_c1, T̂_c2 where the method has one, otherwise the torque that its

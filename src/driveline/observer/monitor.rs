@@ -1,5 +1,5 @@
 //! Inputs that make every estimate worthless: a speed that is missing, a signal that is frozen, an
-//! innovation that stays large, a friction that stays at its bound.
+//! innovation that stays large, by itself or for what the filter expects, a friction that stays at its bound.
 //!
 //! A speed may stand still for good reasons, so frozen means: not one bit has changed for 0.1 s though
 //! something that moves with it has. Shafts with a gear in and the wheel move together; the engine moves
@@ -24,6 +24,9 @@ const RUNS: f64 = 10.0;
 /// Largest |x1 − x̂1| and |x2 − x̂2| of an observer that follows [rad/s], shape (2).
 const FOLLOWS: [f64; 2] = [50.0, 10.0];
 
+/// Innovation² over its expected variance of a filter that is wrong about itself [1]: five deviations.
+const SURPRISE: f64 = 25.0;
+
 /// Why an estimate cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
@@ -37,6 +40,8 @@ pub enum Fault {
     Saturated = 4,
     /// The innovation has been beyond what a driveline can do.
     Diverged = 5,
+    /// The innovation has been far beyond what the filter expects of it.
+    Inconsistent = 6,
 }
 
 impl fmt::Display for Fault {
@@ -47,6 +52,7 @@ impl fmt::Display for Fault {
             Self::Frozen => "a speed is frozen though what moves with it changes",
             Self::Saturated => "a friction is at its physical bound",
             Self::Diverged => "the innovation is beyond what a driveline can do",
+            Self::Inconsistent => "the innovation is far beyond what the filter expects",
         })
     }
 }
@@ -73,6 +79,8 @@ pub struct Monitor {
     pub diverged: f64,
     /// Time for which a friction has been at its bound [s].
     pub saturated: f64,
+    /// Time for which a filter has been wrong about itself [s].
+    pub inconsistent: f64,
 }
 
 impl Monitor {
@@ -116,6 +124,12 @@ impl Monitor {
         self.diverged = lasts(self.diverged, large);
     }
 
+    /// Takes the mean of innovation² over its expected variance [1], `h` [s] after the last one.
+    pub fn doubt(&mut self, surprise: f64, h: f64) {
+        let doubtful = surprise > SURPRISE;
+        self.inconsistent = if doubtful { self.inconsistent + h } else { 0.0 };
+    }
+
     /// What is wrong now, the plainest cause first.
     pub fn fault(&self) -> Option<Fault> {
         let causes = [
@@ -123,6 +137,7 @@ impl Monitor {
             (self.frozen, Fault::Frozen),
             (self.diverged, Fault::Diverged),
             (self.saturated, Fault::Saturated),
+            (self.inconsistent, Fault::Inconsistent),
         ];
         let lasting = |(time, _): &&(f64, Fault)| *time >= PATIENCE;
         causes.iter().find(lasting).map(|(_, fault)| *fault)
@@ -139,10 +154,11 @@ impl Monitor {
             frozen,
             diverged,
             saturated,
+            inconsistent,
         } = self;
         let rows = then.iter_mut().flatten();
         let all = last.iter_mut().chain(still).chain(rows).chain(scale);
-        all.chain([missing, frozen, diverged, saturated])
+        all.chain([missing, frozen, diverged, saturated, inconsistent])
             .for_each(visit);
     }
 

@@ -33,6 +33,8 @@ pub const SHARED: usize = 7;
 pub const START: [f64; SHARED] = [0.5, 0.5, 0.5, 100.0, 20.0, 20.0, 200.0];
 /// Deviation of the zero that an open clutch measures [N·m].
 const OPEN: f64 = 0.1;
+/// Time constant of the low pass of the normalised innovation [s].
+const MEMORY: f64 = 0.5;
 /// Smallest lever that tells a friction [N·m].
 const LEVER: f64 = 1.0;
 
@@ -51,6 +53,9 @@ pub struct Tracker<const N: usize> {
     pub monitor: Monitor,
     /// g of the last sample.
     pub g: [f64; 2],
+    /// Mean over the speeds of innovation² over its expected variance [1], through a low pass: 1 where the
+    /// filter is right about itself.
+    pub surprise: f64,
 }
 
 impl<const N: usize> Default for Tracker<N> {
@@ -62,6 +67,7 @@ impl<const N: usize> Default for Tracker<N> {
             friction: Friction::nominal([0.0; 2]),
             monitor: Monitor::default(),
             g: [0.0; 2],
+            surprise: 0.0,
         }
     }
 }
@@ -108,19 +114,30 @@ impl<const N: usize> Tracker<N> {
         }
     }
 
-    /// Corrects by every speed, of deviation `sensor` [rad/s], and by clutches that are open.
-    pub fn correct(&mut self, p: &Params, sample: &Sample, sensor: f64, wheel: &SVector<f64, N>) {
+    /// Corrects by every speed, of deviation `sensor` [rad/s], and by clutches that are open, `h` [s] after
+    /// the last ones.
+    pub fn correct(
+        &mut self,
+        p: &Params,
+        sample: &Sample,
+        sensor: f64,
+        wheel: &SVector<f64, N>,
+        h: f64,
+    ) {
         let (g, r, before) = (p.g(sample.gear), sensor * sensor, self.belief.x);
         self.innovation = [
             sample.omega_e - before[W_E],
             output_speed(g, sample) - before[W_O],
             sample.omega_w - wheel.dot(&before),
         ];
-        self.measure(&row(&[(W_E, 1.0)]), sample.omega_e, r);
+        let mut normalised = self.measure(&row(&[(W_E, 1.0)]), sample.omega_e, r);
+        let mut count = 2.0;
         for i in (0..2).filter(|i| g[*i] != 0.0) {
-            self.measure(&row(&[(W_O, g[i])]), sample.omega_c[i], r);
+            normalised += self.measure(&row(&[(W_O, g[i])]), sample.omega_c[i], r);
+            count += 1.0;
         }
-        self.measure(wheel, sample.omega_w, r);
+        normalised += self.measure(wheel, sample.omega_w, r);
+        self.surprise += (normalised / count - self.surprise) * (h / (h + MEMORY));
         for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
             if !pressed {
                 self.measure(&row(&[(T_C + i, 1.0)]), 0.0, OPEN * OPEN);
@@ -128,9 +145,9 @@ impl<const N: usize> Tracker<N> {
         }
     }
 
-    /// Corrects by a measurement `z` of hᵀ x, with variance `r`.
-    fn measure(&mut self, h: &SVector<f64, N>, z: f64, r: f64) {
-        self.belief.correct(h, z - h.dot(&self.belief.x), r);
+    /// Corrects by a measurement `z` of hᵀ x, with variance `r`; returns innovation² over its variance.
+    fn measure(&mut self, h: &SVector<f64, N>, z: f64, r: f64) -> f64 {
+        self.belief.correct(h, z - h.dot(&self.belief.x), r)
     }
 
     /// After the correction: friction, and whether the inputs make sense.
@@ -140,6 +157,7 @@ impl<const N: usize> Tracker<N> {
         }
         let (engaged, e) = (self.lock.engaged(), self.innovation_x(p, sample));
         self.monitor.step(p, sample, engaged, e, h);
+        self.monitor.doubt(self.surprise, h);
     }
 
     /// μ̂ with the sign of the torque [1], shape (2).
@@ -180,6 +198,7 @@ impl<const N: usize> Tracker<N> {
             t_o_deviation: self.belief.deviation(&t_o),
             friction: self.friction.mu,
             innovation: self.innovation_x(p, sample),
+            consistency: self.surprise,
             ..common
         };
         said.with_friction_terms(p, settings, sample)
@@ -194,5 +213,6 @@ impl<const N: usize> Tracker<N> {
         self.friction.visit(visit);
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
+        visit(&mut self.surprise);
     }
 }

@@ -186,7 +186,7 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Observer>; 4] {
     ]
 }
 
-const OUTPUTS: [Variable<Observer>; 9] = [
+const OUTPUTS: [Variable<Observer>; 10] = [
     Variable::output(
         ports::DRIVE_SHAFT_TORQUE,
         U::NEWTON_METRE,
@@ -220,6 +220,13 @@ const OUTPUTS: [Variable<Observer>; 9] = [
         U::RADIAN_PER_SECOND,
         |m: &mut Observer| &mut m.y.innovation[1],
         "x2 less its estimate",
+    )
+    .depends_on(&[]),
+    Variable::output(
+        "innovation.consistency",
+        U::ONE,
+        |m: &mut Observer| &mut m.y.consistency,
+        "Innovation squared of the speeds over what the filter expects: 1 where it is right about itself; kalman, calibrating",
     )
     .depends_on(&[]),
     Variable::output(
