@@ -16,6 +16,7 @@ pub mod binary;
 mod check;
 mod content;
 mod description;
+mod drive;
 mod error;
 pub mod library;
 mod merge;
@@ -29,7 +30,7 @@ mod variables_md;
 mod xml;
 
 pub use archive::package;
-pub use check::{Finding, Report, Severity, check, check_for, replay};
+pub use check::{Finding, Replay, Report, Severity, check, check_for, replay};
 pub use description::describe;
 pub use error::{Error, Result};
 pub use merge::merge;

@@ -141,6 +141,8 @@ pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec
 fn flags(folder: &Path, target: &Target) -> Vec<String> {
     let mut flags = vec![remap(folder, "model"), remap(workspace(), "dct")];
     flags.extend(cargo_home().map(|home| remap(&home, "cargo")));
+    // A standard library that is built here names its sources, too; others say /rustc already.
+    flags.extend(rust_sources().map(|sources| remap(&sources, "/rustc")));
     if target.extension == "so" {
         // Name libm where it is used: importers other than Python may not have it loaded.
         flags.push("-Clink-arg=-lm".into());
@@ -155,6 +157,17 @@ fn remap(from: &Path, to: &str) -> String {
 fn cargo_home() -> Option<PathBuf> {
     let given = env::var_os("CARGO_HOME").map(PathBuf::from);
     given.or_else(|| env::home_dir().map(|home| home.join(".cargo")))
+}
+
+/// Where the compiler looks for the sources of the standard library.
+fn rust_sources() -> Option<PathBuf> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let printed = Command::new(rustc)
+        .args(["--print", "sysroot"])
+        .output()
+        .ok()?;
+    let sysroot = String::from_utf8(printed.stdout).ok()?;
+    Some(Path::new(sysroot.trim()).join("lib/rustlib/src/rust"))
 }
 
 /// One of cargo's messages; only those about artifacts have these fields.

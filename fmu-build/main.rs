@@ -64,19 +64,31 @@ enum Command {
         #[arg(long, value_name = "FMU")]
         out: Option<PathBuf>,
     },
-    /// Run an FMU over a table of inputs and write its outputs, bit for bit.
-    #[command(after_help = "The same file on two platforms means that both compute the same.")]
+    /// Run FMUs over a table of inputs and write their outputs, bit for bit.
+    #[command(
+        after_help = "Several FMUs are coupled: an input takes the output of its name from the FMU nearest \
+before its own, going round.\nThe same file on two platforms means that both compute the same."
+    )]
     Replay {
-        /// FMU file.
-        fmu: PathBuf,
-        /// CSV file: column `time` [s], then columns named like inputs.
-        stimuli: PathBuf,
+        /// FMU files.
+        #[arg(required = true, value_name = "FMU")]
+        fmus: Vec<PathBuf>,
+        /// CSV file: column `time` [s], then columns named like inputs and parameters.
+        #[arg(long, value_name = "CSV")]
+        inputs: PathBuf,
         /// Communication step [s].
         #[arg(long, value_name = "SECONDS", default_value = "0.001")]
         step: f64,
+        /// Write every Nth communication point.
+        #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
+        every: u32,
         /// File to write.
         #[arg(long, value_name = "CSV")]
         out: PathBuf,
+        /// Write every call with its value, too: for xtask/platforms/calls.c, which makes the same calls
+        /// on machines without fmu-build.
+        #[arg(long, value_name = "FILE")]
+        calls: Option<PathBuf>,
     },
     /// Write the closed loop of all FMUs, with their connections, as an SSP 1.0 file.
     #[command(after_help = "Takes the FMUs that `cargo fmu build` wrote into the same folder.")]
@@ -130,11 +142,22 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
             print_paths(&[path])?;
         }
         Command::Replay {
-            fmu,
-            stimuli,
+            fmus,
+            inputs,
             step,
+            every,
             out,
-        } => fmu_build::replay(&fmu, &stimuli, step, &out)?,
+            calls,
+        } => {
+            let options = fmu_build::Replay {
+                inputs: &inputs,
+                step,
+                every,
+                out: &out,
+                calls: calls.as_deref(),
+            };
+            fmu_build::replay(&fmus, &options)?;
+        }
         Command::Ssp { out } => ssp(out)?,
         Command::Check { fmus, glibc, json } => return check(&fmus, glibc.as_ref(), json),
     }

@@ -38,8 +38,10 @@ commands:
   deny           licences, advisories, origin and place of every crate: cargo-deny, deny.toml
   native         the compiled master as a Python module in .venv: dct-harness run --engine native
   docs           the docs site into target/docs
-  platforms      FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, each
-                 run over the paper's scenario, under qemu and wine, with the same bits
+  platforms [--build-std]
+                 FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, all
+                 run over the paper's scenario, under qemu and wine, with the same bits; where
+                 rustup has no such targets, or with --build-std, by Debian's compiler
   ci             demo, then test: what a change must pass
 
 set-up (done by every command, kept between runs):
@@ -84,7 +86,8 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["deny"] => plan::run(deny(&project)),
         ["native"] => plan::run(native(&project)),
         ["docs"] => plan::run(docs(&project)),
-        ["platforms"] => plan::run(platforms::steps(&project)),
+        ["platforms"] => plan::run(platforms::steps(&project, false)),
+        ["platforms", "--build-std"] => plan::run(platforms::steps(&project, true)),
         ["ci"] => plan::run(ci(&project)),
         [] | ["help" | "--help" | "-h"] | [_, "--help" | "-h"] => {
             print!("{HELP}");

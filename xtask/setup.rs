@@ -30,6 +30,8 @@ pub enum Package {
     Qemu,
     /// The C library of ARM, for the programs that qemu runs.
     Arm,
+    /// A compiler with the sources of its standard library.
+    RustSource,
 }
 
 impl Package {
@@ -43,6 +45,7 @@ impl Package {
             Self::Wine => "wine64 wine",
             Self::Qemu => "qemu-user",
             Self::Arm => "libc6-arm64-cross",
+            Self::RustSource => "rustc-web cargo-web rust-web-src",
         }
     }
 
@@ -57,6 +60,10 @@ impl Package {
             Self::Wine => starts(&"wine"),
             Self::Qemu => starts(&"qemu-aarch64"),
             Self::Arm => Path::new("/usr/aarch64-linux-gnu/lib/libc.so.6").exists(),
+            Self::RustSource => {
+                let sources = "/usr/lib/rustlib/src/rust/library/std/Cargo.toml";
+                Path::new(sources).exists() && starts(&"/usr/bin/cargo")
+            }
             Self::Venv => python().is_ok_and(|python| {
                 succeeds(Command::new(python).args(["-c", "import ensurepip, venv"]))
             }),
@@ -65,7 +72,7 @@ impl Package {
 }
 
 /// What a command prints, if it succeeds and prints anything.
-fn printed(mut command: Command) -> Option<String> {
+pub fn printed(mut command: Command) -> Option<String> {
     let done = command.output().ok().filter(|done| done.status.success())?;
     let text = String::from_utf8_lossy(&done.stdout).trim().to_owned();
     (!text.is_empty()).then_some(text)

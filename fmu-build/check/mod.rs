@@ -12,7 +12,6 @@ mod replay;
 mod roles;
 mod rules;
 mod run;
-mod stimuli;
 mod unpack;
 
 use crate::binary::Version;
@@ -22,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 use unpack::Unpacked;
 
-pub use replay::replay;
+pub use replay::{Replay, replay};
 
 /// Some importers' XML parsers stop at it.
 const BYTE_ORDER_MARK: &str = "\u{feff}";

@@ -1,42 +1,167 @@
-//! Runs an FMU over a table of inputs and writes its outputs, bit for bit: the same file on two
+//! Runs FMUs over a table of inputs and writes their outputs, bit for bit: the same file on two
 //! platforms means that both computed the same.
 
-use super::native::{Binary, Instance, Transition, take_messages};
-use super::parsed::{Description, Kind, ScalarVariable};
-use super::run::{read, resource_uri};
-use super::stimuli::Stimuli;
+use super::native::{Binary, Instance, Refused, Transition, take_messages};
+use super::parsed::{Description, Kind as Type, ScalarVariable};
+use super::run::resource_uri;
+use super::unpack::Unpacked;
 use super::{Library, opened};
+use crate::drive::{self, Calls, Kind, Part, Place, Recorded, Role, Signal, Stimuli};
 use crate::{Error, Result};
-use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Steps the FMU from the first to the last time of `stimuli`, a CSV file whose columns are `time`
-/// and names of inputs, and writes all outputs at every communication point to `out`.
+/// How FMUs are run over a table of inputs.
+#[derive(Debug, Clone, Copy)]
+pub struct Replay<'a> {
+    /// CSV file whose columns are `time` and names of inputs and parameters. Between its rows Reals are
+    /// interpolated, others kept. A parameter is set once, before the start; a column of no variable
+    /// is passed over.
+    pub inputs: &'a Path,
+    /// Communication step [s].
+    pub step: f64,
+    /// Every `every`th communication point is written.
+    pub every: u32,
+    /// CSV file for the outputs.
+    pub out: &'a Path,
+    /// File for all calls with their values, for `xtask/platforms/calls.c`.
+    pub calls: Option<&'a Path>,
+}
+
+/// Steps the FMUs from the first to the last time of the inputs and writes all outputs.
 ///
-/// `step`: communication step [s]. Between the rows Reals are interpolated, others kept. A
-/// column of a parameter is set once, before the start; one of no variable is passed over.
+/// Several FMUs are coupled: an input takes the output of its name from the FMU nearest before its own
+/// in the list, going round.
 ///
 /// # Errors
-/// When a file cannot be read or written, and when the FMU refuses a call.
-pub fn replay(fmu: &Path, stimuli: &Path, step: f64, out: &Path) -> Result<()> {
-    let (unpacked, description) = opened(fmu)?;
-    let library = Library::of_this_machine(&description, unpacked.folder())?;
-    let binary = Binary::load(&library.path)?;
-    let stimuli = Stimuli::read(stimuli)?;
-    let resources = resource_uri(unpacked.folder());
-    let instance = binary.instantiate(&description.guid, &resources)?;
-    let instance = instance.ok_or_else(|| refused("fmi2Instantiate", 3))?;
-    let table = Run {
-        instance: &instance,
-        description: &description,
-        stimuli: &stimuli,
+/// When a file cannot be read or written, and when an FMU refuses a call.
+pub fn replay(fmus: &[PathBuf], options: &Replay<'_>) -> Result<()> {
+    let stimuli = Stimuli::read(options.inputs)?;
+    let opened: Vec<_> = fmus
+        .iter()
+        .map(|fmu| Opened::read(fmu))
+        .collect::<Result<_>>()?;
+    let calls = Calls::default();
+    let mut parts: Vec<Box<dyn Part + '_>> = Vec::new();
+    for (at, fmu) in opened.iter().enumerate() {
+        let part = Box::new(fmu.instance()?);
+        parts.push(match options.calls {
+            None => part,
+            Some(_) => Recorded::boxed(part, at, &fmu.description.guid, &calls),
+        });
     }
-    .table(step)?;
-    fs::write(out, table).map_err(|source| Error::Io {
-        path: out.into(),
+    let names = opened.iter().map(|fmu| fmu.description.model_name.clone());
+    let names: Vec<_> = names.collect();
+    let table = drive::table(parts, &names, &stimuli, options.step, options.every)?;
+    write(options.out, &table)?;
+    let all = options.calls.map(|path| write(path, &calls.borrow()));
+    all.unwrap_or(Ok(()))
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    fs::write(path, text).map_err(|source| Error::Io {
+        path: path.into(),
         source,
     })
+}
+
+/// An FMU, unpacked, with its library loaded.
+struct Opened {
+    binary: Binary,
+    description: Description,
+    unpacked: Unpacked,
+}
+
+impl Opened {
+    fn read(fmu: &Path) -> Result<Self> {
+        let (unpacked, description) = opened(fmu)?;
+        let library = Library::of_this_machine(&description, unpacked.folder())?;
+        Ok(Self {
+            binary: Binary::load(&library.path)?,
+            description,
+            unpacked,
+        })
+    }
+
+    fn instance(&self) -> Result<Running<'_>> {
+        let resources = resource_uri(self.unpacked.folder());
+        let instance = self
+            .binary
+            .instantiate(&self.description.guid, &resources)?;
+        let variables = self.description.variables().iter();
+        Ok(Running {
+            instance: instance.ok_or_else(|| refused("fmi2Instantiate", 3))?,
+            signals: variables.filter_map(signal).collect(),
+        })
+    }
+}
+
+/// `None` for texts, and for variables that others neither set nor read.
+fn signal(variable: &ScalarVariable) -> Option<Signal> {
+    let kind = match variable.kind()?.0 {
+        Type::Real => Kind::Real,
+        Type::Integer => Kind::Integer,
+        Type::Boolean => Kind::Boolean,
+        Type::String => return None,
+    };
+    let role = match variable.causality.as_str() {
+        "input" => Role::Input,
+        "output" => Role::Output,
+        "parameter" => Role::Parameter,
+        _ => return None,
+    };
+    Some(Signal {
+        name: variable.name.clone(),
+        role,
+        place: Place {
+            kind,
+            reference: variable.value_reference,
+        },
+    })
+}
+
+struct Running<'a> {
+    instance: Instance<'a>,
+    signals: Vec<Signal>,
+}
+
+impl Part for Running<'_> {
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn set(&mut self, Place { kind, reference }: Place, value: f64) -> Result<()> {
+        done(match kind {
+            Kind::Real => self.instance.set_real(reference, value)?,
+            Kind::Integer => self.instance.set_integer(reference, drive::whole(value))?,
+            Kind::Boolean => self.instance.set_boolean(reference, value != 0.0)?,
+        })
+    }
+
+    fn get(&mut self, Place { kind, reference }: Place) -> Result<f64> {
+        done(match kind {
+            Kind::Real => self.instance.real(reference)?,
+            Kind::Integer => self.instance.integer(reference)?.map(f64::from),
+            Kind::Boolean => self.instance.boolean(reference)?.map(f64::from),
+        })
+    }
+
+    fn initialize(&mut self, time: f64) -> Result<()> {
+        done(self.instance.setup_experiment(time)?)?;
+        done(self.instance.call(Transition::EnterInitializationMode)?)
+    }
+
+    fn start(&mut self) -> Result<()> {
+        done(self.instance.call(Transition::ExitInitializationMode)?)
+    }
+
+    fn step(&mut self, time: f64, step: f64) -> Result<()> {
+        done(self.instance.do_step(time, step)?)
+    }
+
+    fn terminate(&mut self) -> Result<()> {
+        done(self.instance.call(Transition::Terminate)?)
+    }
 }
 
 fn refused(function: &'static str, status: i32) -> Error {
@@ -47,76 +172,6 @@ fn refused(function: &'static str, status: i32) -> Error {
     }
 }
 
-struct Run<'a> {
-    instance: &'a Instance<'a>,
-    description: &'a Description,
-    stimuli: &'a Stimuli,
-}
-
-impl Run<'_> {
-    fn table(&self, step: f64) -> Result<String> {
-        let (start, stop) = self.stimuli.times();
-        let mut text = String::from("time");
-        for output in self.outputs() {
-            let _ = write!(text, ",{}", output.name);
-        }
-        self.set(start, &["input", "parameter"])?;
-        done(self.instance.setup_experiment(start)?)?;
-        done(self.instance.call(Transition::EnterInitializationMode)?)?;
-        done(self.instance.call(Transition::ExitInitializationMode)?)?;
-        self.row(start, &mut text)?;
-        for time in (0_u32..).map(|index| start + f64::from(index) * step) {
-            if time + 0.5 * step > stop {
-                break;
-            }
-            self.set(time, &["input"])?;
-            done(self.instance.do_step(time, step)?)?;
-            self.row(time + step, &mut text)?;
-        }
-        done(self.instance.call(Transition::Terminate)?)?;
-        Ok(text + "\n")
-    }
-
-    fn outputs(&self) -> impl Iterator<Item = &ScalarVariable> {
-        let variables = self.description.variables().iter();
-        variables.filter(|variable| variable.causality == "output")
-    }
-
-    fn row(&self, time: f64, text: &mut String) -> Result<()> {
-        let _ = write!(text, "\n{time:?}");
-        for output in self.outputs() {
-            if let Some((kind, _)) = output.kind() {
-                let value = done(read(self.instance, kind, output.value_reference)?)?;
-                let _ = write!(text, ",{value}");
-            }
-        }
-        Ok(())
-    }
-
-    fn set(&self, time: f64, causalities: &[&str]) -> Result<()> {
-        for variable in self.description.variables() {
-            let (Some((kind, _)), Some(column)) =
-                (variable.kind(), self.stimuli.column(&variable.name))
-            else {
-                continue;
-            };
-            if !causalities.contains(&variable.causality.as_str()) {
-                continue;
-            }
-            let reference = variable.value_reference;
-            done(match kind {
-                Kind::Real => self.instance.set_real(reference, column.at(time))?,
-                Kind::Integer => self.instance.set_integer(reference, column.kept(time))?,
-                Kind::Boolean => self
-                    .instance
-                    .set_boolean(reference, column.kept(time) != 0)?,
-                Kind::String => continue,
-            })?;
-        }
-        Ok(())
-    }
-}
-
-fn done<T>(called: std::result::Result<T, super::native::Refused>) -> Result<T> {
+fn done<T>(called: std::result::Result<T, Refused>) -> Result<T> {
     called.map_err(|call| refused(call.function, call.status))
 }

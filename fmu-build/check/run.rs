@@ -132,7 +132,7 @@ fn check_start(
 }
 
 /// A value as read from the library.
-pub(super) enum Value {
+enum Value {
     Real(f64),
     Integer(i32),
     Boolean(bool),
@@ -165,7 +165,7 @@ impl fmt::Display for Value {
     }
 }
 
-pub(super) fn read(
+fn read(
     instance: &Instance<'_>,
     kind: Kind,
     reference: u32,

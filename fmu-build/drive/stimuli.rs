@@ -5,19 +5,19 @@ use std::fs;
 use std::path::Path;
 
 /// Rows of numbers; the first column is the time [s].
-pub(super) struct Stimuli {
+pub(crate) struct Stimuli {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
 }
 
 /// One column with the times of its rows.
-pub(super) struct Column<'a> {
+pub(crate) struct Column<'a> {
     rows: &'a [Vec<f64>],
     index: usize,
 }
 
 impl Stimuli {
-    pub(super) fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(|source| Error::Io {
             path: path.into(),
             source,
@@ -29,7 +29,8 @@ impl Stimuli {
         })
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, (usize, &'static str)> {
+    /// From the text of a CSV file; an error has its line.
+    pub(crate) fn parse(text: &str) -> std::result::Result<Self, (usize, &'static str)> {
         let mut lines = text.lines();
         let heading = lines.next().unwrap_or_default().split(',');
         let names: Vec<_> = heading
@@ -59,11 +60,11 @@ impl Stimuli {
     }
 
     /// First and last time [s].
-    pub(super) fn times(&self) -> (f64, f64) {
+    pub(crate) fn times(&self) -> (f64, f64) {
         (self.rows[0][0], self.rows[self.rows.len() - 1][0])
     }
 
-    pub(super) fn column(&self, name: &str) -> Option<Column<'_>> {
+    pub(crate) fn column(&self, name: &str) -> Option<Column<'_>> {
         let index = self.names.iter().skip(1).position(|other| other == name)? + 1;
         Some(Column {
             rows: &self.rows,
@@ -89,7 +90,7 @@ impl Column<'_> {
     }
 
     /// The value at a time, interpolated linearly.
-    pub(super) fn at(&self, time: f64) -> f64 {
+    pub(crate) fn at(&self, time: f64) -> f64 {
         let here = self.row(time);
         let (from, to) = (
             &self.rows[here],
@@ -102,10 +103,9 @@ impl Column<'_> {
         from[self.index] + part * (to[self.index] - from[self.index])
     }
 
-    /// The whole number of the last row.
-    pub(super) fn kept(&self, time: f64) -> i32 {
-        let value = self.rows[self.row(time)][self.index];
-        format!("{value:.0}").parse().unwrap_or_default()
+    /// The number of the last row.
+    pub(crate) fn kept(&self, time: f64) -> f64 {
+        self.rows[self.row(time)][self.index]
     }
 }
 
@@ -121,7 +121,7 @@ mod tests {
             [0.0, 1.0, 2.0, 9.0].map(|time| a.at(time)),
             [1.0, 1.5, 2.0, 2.0]
         );
-        assert_eq!([0.0, 1.9, 2.0].map(|time| n.kept(time)), [1, 1, 3]);
+        assert_eq!([0.0, 1.9, 2.0].map(|time| n.kept(time)), [1.0, 1.0, 3.0]);
         assert_eq!(stimuli.times(), (0.0, 2.0));
         assert!(stimuli.column("time").is_none() && stimuli.column("b").is_none());
     }

@@ -1,0 +1,248 @@
+//! Components over a table of inputs, coupled by the names of their variables.
+//!
+//! ```text
+//! table ──> inputs, parameters ─> component ─> outputs ──> a row of results at every communication point
+//!                      ^── outputs of equal names ──┘      (of the last point: Jacobi)
+//! ```
+
+mod recorded;
+mod stimuli;
+mod wiring;
+
+pub(crate) use recorded::{Calls, Recorded};
+pub(crate) use stimuli::Stimuli;
+
+use crate::Result;
+use std::fmt::Write as _;
+use stimuli::Column;
+use wiring::{Wire, wires};
+
+/// Where a value is: its type at the C interface and its value reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) kind: Kind,
+    pub(crate) reference: u32,
+}
+
+/// Types that a number stands for; 0 is false.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Real,
+    Integer,
+    Boolean,
+}
+
+/// What a variable is to others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    Input,
+    Output,
+    Parameter,
+}
+
+/// A variable.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Signal {
+    pub(crate) name: String,
+    pub(crate) role: Role,
+    pub(crate) place: Place,
+}
+
+/// A component in its life cycle.
+pub(crate) trait Part {
+    fn signals(&self) -> &[Signal];
+    fn set(&mut self, place: Place, value: f64) -> Result<()>;
+    fn get(&mut self, place: Place) -> Result<f64>;
+    /// Into initialisation mode.
+    fn initialize(&mut self, time: f64) -> Result<()>;
+    /// Out of it.
+    fn start(&mut self) -> Result<()>;
+    fn step(&mut self, time: f64, step: f64) -> Result<()>;
+    fn terminate(&mut self) -> Result<()>;
+}
+
+/// Components with the wires between them.
+pub(crate) struct Loop<'a> {
+    parts: Vec<Box<dyn Part + 'a>>,
+    wires: Vec<Wire>,
+    given: Vec<Given<'a>>,
+    times: (f64, f64),
+}
+
+/// An input or parameter that comes from the table.
+struct Given<'a> {
+    at: usize,
+    place: Place,
+    role: Role,
+    column: Column<'a>,
+}
+
+impl<'a> Loop<'a> {
+    /// An input takes the output of its name from the component nearest before its own, going round;
+    /// what none gives comes from the table.
+    pub(crate) fn new(parts: Vec<Box<dyn Part + 'a>>, stimuli: &'a Stimuli) -> Self {
+        let signals: Vec<&[Signal]> = parts.iter().map(|part| part.signals()).collect();
+        let wires = wires(&signals);
+        Self {
+            given: given(&signals, &wires, stimuli),
+            wires,
+            parts,
+            times: stimuli.times(),
+        }
+    }
+
+    /// Runs from the first to the last time of the table and hands every communication point to `see`.
+    ///
+    /// `step`: communication step [s].
+    pub(crate) fn run(
+        &mut self,
+        step: f64,
+        see: &mut dyn FnMut(f64, &mut Self) -> Result<()>,
+    ) -> Result<()> {
+        let (start, stop) = self.times;
+        self.give(start, &[Role::Input, Role::Parameter])?;
+        for part in &mut self.parts {
+            part.initialize(start)?;
+        }
+        self.connect()?;
+        self.parts.iter_mut().try_for_each(|part| part.start())?;
+        see(start, self)?;
+        let point = |index| start + f64::from(index) * step;
+        for index in 0_u32.. {
+            let time = point(index);
+            if time + 0.5 * step > stop {
+                break;
+            }
+            self.exchange(time)?;
+            for part in &mut self.parts {
+                part.step(time, step)?;
+            }
+            see(point(index + 1), self)?;
+        }
+        self.parts.iter_mut().try_for_each(|part| part.terminate())
+    }
+
+    /// Sets every input to what it is at a communication point.
+    fn exchange(&mut self, time: f64) -> Result<()> {
+        self.connect()?;
+        self.give(time, &[Role::Input])
+    }
+
+    /// Sets what the table has at a time: Reals interpolated, others kept.
+    fn give(&mut self, time: f64, roles: &[Role]) -> Result<()> {
+        for given in self.given.iter().filter(|one| roles.contains(&one.role)) {
+            let value = match given.place.kind {
+                Kind::Real => given.column.at(time),
+                Kind::Integer | Kind::Boolean => given.column.kept(time),
+            };
+            self.parts[given.at].set(given.place, value)?;
+        }
+        Ok(())
+    }
+
+    /// Reads every output that is wired, then sets every input.
+    fn connect(&mut self) -> Result<()> {
+        let mut values = Vec::with_capacity(self.wires.len());
+        for Wire { from, .. } in &self.wires {
+            values.push(self.parts[from.0].get(from.1)?);
+        }
+        for (Wire { to, .. }, value) in self.wires.iter().zip(values) {
+            self.parts[to.0].set(to.1, value)?;
+        }
+        Ok(())
+    }
+
+    /// Names of all outputs, each behind the name of its component when there are several.
+    pub(crate) fn outputs(&self, names: &[String]) -> Vec<(String, usize, Place)> {
+        let mut all = Vec::new();
+        for (at, part) in self.parts.iter().enumerate() {
+            for (place, name) in places(part.as_ref(), &[Role::Output]) {
+                let name = match names {
+                    [_] => name,
+                    several => format!("{}.{name}", several[at]),
+                };
+                all.push((name, at, place));
+            }
+        }
+        all
+    }
+
+    /// The value of an output.
+    pub(crate) fn value(&mut self, at: usize, place: Place) -> Result<f64> {
+        self.parts[at].get(place)
+    }
+}
+
+/// What the table gives: everything of its names that no wire reaches.
+fn given<'a>(signals: &[&[Signal]], wires: &[Wire], stimuli: &'a Stimuli) -> Vec<Given<'a>> {
+    let mut found = Vec::new();
+    for (at, signals) in signals.iter().enumerate() {
+        for &Signal {
+            ref name,
+            role,
+            place,
+        } in *signals
+        {
+            let wired = wires.iter().any(|wire| wire.to == (at, place));
+            let column = stimuli.column(name);
+            if let Some(column) = column.filter(|_| role != Role::Output && !wired) {
+                found.push(Given {
+                    at,
+                    place,
+                    role,
+                    column,
+                });
+            }
+        }
+    }
+    found
+}
+
+fn places(part: &dyn Part, roles: &[Role]) -> Vec<(Place, String)> {
+    let of_role = |signal: &&Signal| roles.contains(&signal.role);
+    let found = part.signals().iter().filter(of_role);
+    found.map(|one| (one.place, one.name.clone())).collect()
+}
+
+/// All outputs of the components `parts`, named `names`, as CSV; every `every`-th communication point.
+pub(crate) fn table<'a>(
+    parts: Vec<Box<dyn Part + 'a>>,
+    names: &[String],
+    stimuli: &'a Stimuli,
+    step: f64,
+    every: u32,
+) -> Result<String> {
+    let mut all = Loop::new(parts, stimuli);
+    let outputs = all.outputs(names);
+    let mut text = String::from("time");
+    for (name, ..) in &outputs {
+        let _ = write!(text, ",{name}");
+    }
+    text.push('\n');
+    let mut count = 0_u32;
+    all.run(step, &mut |time, all| {
+        if count.is_multiple_of(every) {
+            let _ = write!(text, "{time:?}");
+            for (_, at, place) in &outputs {
+                let _ = write!(text, ",{}", shown(place.kind, all.value(*at, *place)?));
+            }
+            text.push('\n');
+        }
+        count += 1;
+        Ok(())
+    })?;
+    Ok(text)
+}
+
+/// The whole number nearest to a value.
+pub(crate) fn whole(value: f64) -> i32 {
+    format!("{value:.0}").parse().unwrap_or_default()
+}
+
+/// The shortest text that reads back as the same bits; whole numbers without a fraction.
+fn shown(kind: Kind, value: f64) -> String {
+    match kind {
+        Kind::Real => format!("{value:?}"),
+        Kind::Integer | Kind::Boolean => format!("{value:.0}"),
+    }
+}

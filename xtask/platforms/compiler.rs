@@ -1,0 +1,90 @@
+//! Where the compiler for other machines comes from: rustup, or Debian with the standard library built here.
+
+use crate::plan::succeeds;
+use crate::setup::Package;
+use std::path::Path;
+use std::process::Command;
+
+/// Threads of its own kind: `windows-gnu` leaks a TLS index with every load of a library.
+pub const WINDOWS: &str = "x86_64-pc-windows-gnullvm";
+/// Targets that the machine's own compiler may lack.
+pub const FOREIGN: [&str; 2] = ["aarch64-unknown-linux-gnu", WINDOWS];
+/// What is built for other machines stays apart: it may come of another compiler.
+pub const FOLDER: &str = "target/cross";
+
+/// A compiler with standard libraries for [`FOREIGN`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compiler {
+    /// That of rustup, with its targets.
+    Rustup,
+    /// That of Debian, which has the sources of the standard library: `-Z build-std`.
+    Debian,
+}
+
+impl Compiler {
+    /// rustup's where it has the targets or can fetch them, unless `build_std` is asked for.
+    pub fn choose(build_std: bool) -> Self {
+        let rustup = || {
+            let _ = succeeds(Command::new("rustup").args(["target", "add"]).args(FOREIGN));
+            FOREIGN.iter().all(|target| has_library(target))
+        };
+        if !build_std && rustup() {
+            Self::Rustup
+        } else {
+            Self::Debian
+        }
+    }
+
+    /// In a few words.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Rustup => "rustup's compiler and targets",
+            Self::Debian => "Debian's compiler, standard library built here",
+        }
+    }
+
+    /// What Debian has to install.
+    pub const fn packages(self) -> &'static [Package] {
+        const TOOLS: [Package; 4] = [Package::Mingw, Package::Wine, Package::Qemu, Package::Arm];
+        const ALL: [Package; 5] = [
+            Package::Mingw,
+            Package::Wine,
+            Package::Qemu,
+            Package::Arm,
+            Package::RustSource,
+        ];
+        match self {
+            Self::Rustup => &TOOLS,
+            Self::Debian => &ALL,
+        }
+    }
+
+    /// Makes `command`, or what it starts, compile with it: zig in the path, mingw's gcc as linker.
+    pub fn equip(self, command: &mut Command) {
+        let root = std::env::current_dir().unwrap_or_default();
+        let mut path = root.join(".venv/bin").into_os_string();
+        path.push(":");
+        path.push(std::env::var_os("PATH").unwrap_or_default());
+        command
+            .env("PATH", path)
+            .env("CARGO_TARGET_DIR", root.join(FOLDER))
+            .env(
+                "CARGO_TARGET_X86_64_PC_WINDOWS_GNULLVM_LINKER",
+                root.join("xtask/windows/mingw-linker.sh"),
+            );
+        if self == Self::Debian {
+            command
+                .env("CARGO", "/usr/bin/cargo")
+                .env("RUSTC", "/usr/bin/rustc")
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env("CARGO_UNSTABLE_BUILD_STD", "std,panic_unwind");
+        }
+    }
+}
+
+/// Whether the machine's compiler has the standard library of a target.
+fn has_library(target: &str) -> bool {
+    let mut command = Command::new("rustc");
+    command.args(["--print", "target-libdir", "--target", target]);
+    crate::setup::printed(command).is_some_and(|folder| Path::new(&folder).is_dir())
+}
