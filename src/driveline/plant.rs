@@ -196,6 +196,13 @@ impl Plant {
 
     /// Outputs at the present instant with the inputs that act at it.
     pub fn outputs(&self, p: &Params, systems: &Systems, input: &Input) -> Output {
+        let mut y = Output::default();
+        self.write_outputs(p, systems, input, &mut y);
+        y
+    }
+
+    /// [`Self::outputs`] into their place.
+    pub fn write_outputs(&self, p: &Params, systems: &Systems, input: &Input, y: &mut Output) {
         let x = &self.x;
         let held = self.brake == Mode::Stuck;
         let t_v = if held {
@@ -205,7 +212,11 @@ impl Plant {
             let direction = self.brake_direction();
             input.load_torque(p, grade, x[W], direction).0
         };
-        let factor = self.friction_factor(p);
+        let factor = if p.friction_varies() {
+            self.friction_factor(p)
+        } else {
+            [1.0; 2]
+        };
         let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
         let v = self.with_synchronisers(p, v);
         let system = &systems.by_stuck[stuck_set(self.modes)];
@@ -216,21 +227,24 @@ impl Plant {
         });
         let slip = self.slip();
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
-        for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
-            let omega_c_dot = system.derivative(x, &v)[C + i];
-            t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+        for i in [0, 1] {
+            if systems.rigid_ratio[i] != 0.0 {
+                let omega_c_dot = system.derivative(x, &v)[C + i];
+                t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+            }
+            if self.synchroniser[i] != Mode::Open {
+                t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
+            }
         }
-        for i in (0..2).filter(|i| self.synchroniser[*i] != Mode::Open) {
-            t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
-        }
-        Output {
+        let omega_w_dot = if held { 0.0 } else { (t_o - t_v) / p.j_v };
+        *y = Output {
             omega_e: x[E],
             omega_d: x[D],
             omega_c: [x[C], x[C + 1]],
             omega_o: x[O],
             omega_w: x[W],
             vehicle_speed: p.road.r_w * x[W],
-            vehicle_acceleration: p.road.r_w * system.rows.wheel_rate.of(x, &v),
+            vehicle_acceleration: p.road.r_w * omega_w_dot,
             t_d,
             t_c,
             t_t,
@@ -244,7 +258,7 @@ impl Plant {
             synchronising: systems.coupling.synchronising,
             synchroniser_energy: self.work.synchroniser,
             energy_residual: self.energy_residual(systems),
-        }
+        };
     }
 
     /// ω_d − ω_ci [rad/s], shape (2); exactly 0 in an engaged clutch.

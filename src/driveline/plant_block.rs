@@ -19,6 +19,7 @@ const LOAD_SETTLED: f64 = 1e-8;
 /// v with friction torques in slipping clutches, shape (4).
 ///
 /// `factor`: what becomes of μ_k [1], shape (2).
+#[inline(always)]
 pub(crate) fn torques(
     p: &Params,
     modes: [Mode; 2],
@@ -34,6 +35,7 @@ pub(crate) fn torques(
 }
 
 /// z = (x, v, v').
+#[inline(always)]
 pub(crate) fn augmented(x: &State, v: &Torques, v_dot: &Torques) -> Augmented {
     let mut z = Augmented::zeros();
     let (states, torques) = z.as_mut_slice().split_at_mut(STATES);

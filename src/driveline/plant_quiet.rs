@@ -55,7 +55,8 @@ impl Plant {
         let x_end = motion.end(&z);
         let mut end = instant(&x_end, &v);
         end[STATES + LOAD] += ramp * rung.t;
-        let quiet = (0..2).all(|i| self.is_quiet(p, rows, input, i, [&start, &end], ramp));
+        let quiet = self.is_quiet(p, rows, input, 0, [&start, &end], ramp)
+            && self.is_quiet(p, rows, input, 1, [&start, &end], ramp);
         if quiet {
             self.book(rung, &z, &rung.work(&z, &motion));
             self.x = x_end;
@@ -84,10 +85,11 @@ impl Plant {
             Mode::Stuck => {
                 let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n * input.force[i];
                 let ramp = rows.torque[i].of_torque(LOAD, ramp);
-                let [start, end] = ends.map(|end| rows.torque_rate[i].at(end) + ramp);
+                let rate = |k: usize| rows.torque_rate[i].at(ends[k]) + ramp;
                 pressed
-                    && ends.iter().all(|end| rows.torque[i].at(end).abs() < reach)
-                    && start * end >= 0.0
+                    && rows.torque[i].at(ends[0]).abs() < reach
+                    && rows.torque[i].at(ends[1]).abs() < reach
+                    && rate(0) * rate(1) >= 0.0
             }
             sliding => {
                 let direction = sliding.direction();
@@ -127,9 +129,12 @@ fn instant(x: &State, v: &Torques) -> Instant {
 fn remove_slip(systems: &Systems, set: usize, x: &mut State) {
     let slip = slip(x);
     let impulse = &systems.by_stuck[set].projection;
-    for i in (0..2).filter(|i| set >> i & 1 == 1) {
-        for speed in 0..SPEEDS {
-            x[speed] -= impulse[(speed, i)] * slip[i];
+    for i in [0, 1] {
+        if set >> i & 1 == 1 {
+            let column = &impulse.data.0[i];
+            for speed in 0..SPEEDS {
+                x[speed] -= column[speed] * slip[i];
+            }
         }
     }
 }

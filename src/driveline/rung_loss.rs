@@ -67,32 +67,38 @@ impl Loss {
     /// The loss from z [J].
     #[inline(always)]
     pub(crate) fn of(&self, z: &Augmented) -> f64 {
-        let z = ORDER.map(|index| z.data.0[0][index]);
+        let z = &z.data.0[0];
         let mut sum = [0.0; 12];
-        for (column, z) in self.torques.iter().zip(&z[10..12]) {
+        let (engine, load, load_ramp) = (z[ORDER[10]], z[ORDER[11]], z[ORDER[12]]);
+        add(&mut sum, &self.torques[0], engine);
+        add(&mut sum, &self.torques[1], load);
+        for (column, z) in self.third.iter().zip(&z[8..]) {
             add(&mut sum, column, *z);
         }
-        for (column, z) in self.third.iter().zip(&z[8..10]) {
+        for (column, z) in self.second.iter().zip(&z[4..]) {
             add(&mut sum, column, *z);
         }
-        for (column, z) in self.second.iter().zip(&z[4..8]) {
+        for (column, z) in self.first.iter().zip(z) {
             add(&mut sum, column, *z);
         }
-        for (column, z) in self.first.iter().zip(&z[..4]) {
-            add(&mut sum, column, *z);
-        }
-        let core = dot(&sum, &z) + z[CORE - 1] * dot(&self.load_ramp, &z);
-        core + self.of_rest(&z)
+        let [states @ .., by_engine, by_load] = &sum;
+        let [ramp_states @ .., ramp_engine, ramp_load, ramp_itself] = &self.load_ramp;
+        let by_ramp = dot(ramp_states, z)
+            + (ramp_engine * engine + ramp_load * load + ramp_itself * load_ramp);
+        let core = dot(states, z) + (by_engine * engine + by_load * load) + by_ramp * load_ramp;
+        let others = [z[11], z[12], z[14], z[15], z[16]].map(|entry| entry == 0.0);
+        let bare = others[0] & others[1] & others[2] & others[3] & others[4];
+        if bare { core } else { core + self.of_rest(z) }
     }
 
-    #[inline(always)]
     fn of_rest(&self, z: &[f64; AUGMENTED]) -> f64 {
+        let z = ORDER.map(|index| z[index]);
         let (mut sum, mut rest) = (0.0, &self.rest[..]);
         for (j, entry) in z.iter().enumerate().skip(CORE) {
             let (column, next) = rest.split_at(j + 1);
             rest = next;
             if *entry != 0.0 {
-                sum += entry * dot(column, z);
+                sum += entry * dot(column, &z);
             }
         }
         sum

@@ -15,6 +15,7 @@ use dct_driveline::jerk::JerkFilter;
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
 use dct_driveline::plant_matrices::{State, W};
+use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use propagation::{OneStep, Propagation};
 
@@ -156,6 +157,7 @@ impl Plant {
     }
 
     /// Logs which preselected gears are ignored, each once, and which ones are taken.
+    #[cold]
     fn tell_gears(
         &mut self,
         input: &driveline::Input,
@@ -199,7 +201,8 @@ impl Plant {
     fn read_outputs(&mut self, input: &driveline::Input) {
         let coupling = self.state.coupling();
         let systems = self.propagation.systems(&self.p, coupling);
-        self.y = self.state.outputs(&self.p, systems, input);
+        self.state
+            .write_outputs(&self.p, systems, input, &mut self.y);
         self.clutch_state = self.y.state.map(|state| state as i32);
         self.comfort = [
             self.jerk_filter.acceleration(self.jerk_time),
@@ -259,7 +262,10 @@ impl Model for Plant {
         check_step(step, table::LONGEST_STEP)?;
         let input = self.input();
         let rate = self.rate(&input, step);
-        self.tell_gears(&input, &rate, time, log);
+        let settled = self.gear == self.state.gear && self.gear == self.refused;
+        if !settled || self.state.synchroniser != [Mode::Open; 2] {
+            self.tell_gears(&input, &rate, time, log);
+        }
         let speed = self.speed();
         let mut ladders = OneStep {
             propagation: &mut self.propagation,
