@@ -8,9 +8,9 @@ from pathlib import Path
 import asammdf
 import numpy as np
 import pytest
-from dct_harness import cli, formats, scenario
+from dct_harness import cli, formats, scenario, units
 from dct_harness.errors import ConfigError
-from dct_harness.measured import Channel, Mapping, common, read, units
+from dct_harness.measured import Channel, Mapping, common, read
 
 MAP = """[[signals]]
 from = "EngSpd"
@@ -101,6 +101,7 @@ def test_several_rates_need_a_step() -> None:
     ("rpm", 60.0, "rad/s", 2 * math.pi), ("km/h", 36.0, "m/s", 10.0), ("bar", 2.0, "Pa", 2e5),
     ("degC", 20.0, "K", 293.15), ("%", 50.0, "1", 0.5), ("kNm", 0.3, "N.m", 300.0),
     ("mm", 3.0, "m", 0.003), ("deg", 180.0, "rad", math.pi), ("N.m", 7.0, "N.m", 7.0),
+    ("U/min", 60.0, "rad/s", 2 * math.pi), ("m/s²", 2.0, "m/s2", 2.0),
 ])  # fmt: skip
 def test_units_come_to_si(unit: str, value: float, si: str, result: float) -> None:
     name, factor, offset = units.to_si(unit)

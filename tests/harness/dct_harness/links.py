@@ -11,7 +11,7 @@ import numpy as np
 from .contract import Contract
 from .errors import ConfigError, did_you_mean
 from .mapping import Entry, Mapping
-from .units import KNOWN, Unit, conversion, declared
+from .units import KNOWN, Unit, conversion, declared, find, hint
 from .values import group_of, items
 
 
@@ -96,12 +96,11 @@ class Linker:
 
     def _unit(self, entry: Entry, theirs: Any) -> Unit:
         if entry.unit:
-            if entry.unit not in KNOWN:
-                raise self._error(
-                    entry, f"unknown unit '{entry.unit}' ({', '.join(KNOWN)})"
-                    f".{did_you_mean(entry.unit, KNOWN)}",
-                )  # fmt: skip
-            return KNOWN[entry.unit]
+            known = find(entry.unit)
+            if known is None:
+                what = f"unknown unit '{entry.unit}' ({', '.join(KNOWN)}).{hint(entry.unit)}"
+                raise self._error(entry, what)
+            return known
         name, unit = declared(self._description, theirs)
         if unit is None and name:
             raise self._error(entry, f"the FMU defines no BaseUnit for '{name}'; say unit = …")

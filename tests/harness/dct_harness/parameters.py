@@ -65,7 +65,8 @@ def _value(path: Path, parameter: ElementTree.Element) -> Any:
 def _in_si(where: str, value: float, name: str | None) -> float:
     if name is None:
         return value
-    if name not in units.KNOWN:
-        raise ConfigError(f"{where}: the unit '{name}' is not known ({', '.join(units.KNOWN)})")
-    unit = units.KNOWN[name]
+    unit = units.find(name)
+    if unit is None:
+        known = ", ".join(units.KNOWN)
+        raise ConfigError(f"{where}: the unit '{name}' is not known ({known}).{units.hint(name)}")
     return unit.factor * value + unit.offset

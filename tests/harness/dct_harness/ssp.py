@@ -212,7 +212,7 @@ class Package:
                 text = value.get("value", value.get("name", ""))
                 found[parameter.get("name", "")] = (
                     text,
-                    known.get(name) or units.KNOWN.get(name or ""),
+                    known.get(name) or (units.find(name) if name else None),
                 )
         return found
 

@@ -175,7 +175,7 @@ class Structure:
         connector = self._connectors.get(node)
         kinds = list(connector) if connector is not None else []
         name = next((k.get("unit") for k in kinds if k.get("unit")), "") or ""
-        return self._units.get(name) or units.KNOWN.get(name)
+        return self._units.get(name) or (units.find(name) if name else None)
 
     def change(self, feed: Feed) -> Transform:
         """Return what happens to a value from its source to the input: per hop, units first."""

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from .errors import ConfigError, did_you_mean
+
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 TURN = 2 * math.pi  # rad
 MINUTE, HOUR = 60.0, 3600.0  # s
@@ -71,6 +73,37 @@ _LIST = (
     _unit("kg/m3", kg=1, m=-3),
 )  # fmt: skip
 KNOWN = {unit.name: unit for unit in _LIST}
+SPELLINGS = {
+    "": "1", "U/min": "rpm", "min^-1": "rpm", "°": "deg", "kmh": "km/h", "N·m": "N.m",
+    "N m": "N.m", "m/s²": "m/s2",
+}  # fmt: skip
+
+
+def find(name: str) -> Unit | None:
+    """Return a unit by its name or another spelling of it; None if it is not known."""
+    return KNOWN.get(SPELLINGS.get(name, name))
+
+
+def hint(name: str) -> str:
+    """Return the known unit that was probably meant, as errors say it."""
+    return did_you_mean(name, [*KNOWN, *SPELLINGS])
+
+
+def to_si(name: str) -> tuple[str, float, float]:
+    """Return SI unit, factor and offset: si = factor * value + offset.
+
+    Raises
+    ------
+    ConfigError
+        The unit is not known.
+    """
+    unit = find(name)
+    if unit is None:
+        what = f"unit '{name}' is not known; give factor and offset to SI.{hint(name)}"
+        raise ConfigError(what)
+    plain = (u for u in KNOWN.values() if u.exponents == unit.exponents)
+    coherent = next(u.name for u in plain if (u.factor, u.offset) == (1.0, 0.0))
+    return coherent, unit.factor, unit.offset
 
 
 def declared(description: Any, variable: Any) -> tuple[str, Unit | None]:
@@ -82,7 +115,8 @@ def declared(description: Any, variable: Any) -> tuple[str, Unit | None]:
     name = variable.unit or (kind.unit if kind else None) or ""
     stated = {unit.name: unit.baseUnit for unit in description.unitDefinitions}
     base = stated.get(name)
-    unit = KNOWN.get(name) if base is None else _of_base(name, base)
+    named = find(name) if name else None
+    unit = named if base is None else _of_base(name, base)
     relative = variable.relativeQuantity or bool(kind and kind.relativeQuantity)
     return name, unit.difference() if unit and relative else unit
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import ConfigError, did_you_mean
+from ..units import to_si
 from .channels import Channel
-from .units import to_si
 
 if sys.version_info >= (3, 11):
     import tomllib
