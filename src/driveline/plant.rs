@@ -2,8 +2,8 @@
 //!
 //! In: engine torque, normal forces of the clutches, brake torque, grade. Out: speeds, torques,
 //! clutch states, energies. Between events the motion is exact but for T_v(ω_w), which is a ramp over
-//! each block of time that meets (11) at both ends: second order. Lock-up, break-away, change of the
-//! sign of the slip and opening are located to h/4^6 and never smeared.
+//! each block of time that meets (11) at both ends: second order; so does friction that varies with slip.
+//! Lock-up, break-away, change of the sign of the slip and opening are located to h/4^6 and never smeared.
 //!
 //! ```
 //! use dct_driveline::{Params, integrate::Propagators, plant::{Input, InputRate, Plant}};
@@ -31,6 +31,9 @@ use crate::shaft::Grade;
 
 /// Events one step may hold; beyond them its rest is one smooth piece.
 const MAX_EVENTS: u32 = 32;
+
+/// Level of the longest block while friction varies: a quarter of the communication step.
+const VARYING: usize = LADDER - 1;
 
 /// Everything a run carries from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,12 +140,11 @@ impl Plant {
         if self.step_quietly(p, ladders.of(p, self.coupling()), input, rate) {
             return;
         }
-        let varies = p.friction_varies();
-        let mut place = None;
+        let (curves, mut place) = (p.friction_varies(), None);
         let p = p.with_static_friction(&mut place);
         let (mut now, mut rate) = (input.after(rate, 0.0), *rate);
         let (mut done, mut piece, mut events) = (0, 0, 0);
-        let mut cap = LADDER - if varies { 2 } else { 0 };
+        let mut cap = LADDER;
         let before = self.all_modes();
         self.grade = self.grade.at(now.phi);
         self.change_gears(p, &now, &rate);
@@ -150,13 +152,11 @@ impl Plant {
         report(0.0, before, self.all_modes());
         while done < TICKS {
             let propagators = ladders.of(p, self.coupling());
-            let level = level(done - piece, TICKS - done).min(cap);
+            let varies = curves && self.modes.map(Mode::direction) != [0.0; 2];
+            let longest = if varies { VARYING } else { LADDER };
+            let level = level(done - piece, TICKS - done).min(cap).min(longest);
             let rung = propagators.rung(stuck_set(self.modes), level);
-            let (block, settled) = if varies {
-                Block::with_varying_friction(p, self, rung, &now, &rate)
-            } else {
-                (Block::new(p, self, rung, &now, &rate), true)
-            };
+            let (block, settled) = Block::over(p, self, rung, &now, &rate, varies);
             if !settled && level > 0 {
                 cap = level - 1;
                 continue;
@@ -173,11 +173,7 @@ impl Plant {
                 continue;
             }
             self.accept(&propagators.systems, rung, &block);
-            (now, cap, done) = (
-                block.input_end,
-                LADDER - if varies { 2 } else { 0 },
-                done + ticks(level),
-            );
+            (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
             if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);

@@ -3,8 +3,8 @@
 //! Over a block the friction torque of a slipping clutch is a ramp, like the load. The ramps are those
 //! that meet μ_k φ(|slip|) F_n r_c N and (11) at both ends of the block, found together by Newton's method
 //! on the exact motion of the rung: second order in the block, as slip and friction bend within it by
-//! the square of its length. A block that is long beside the time in which friction answers to slip is
-//! refused, and the ladder takes a shorter one.
+//! the square of its length. Blocks are a quarter of the communication step at most, and one that is long
+//! beside the time in which friction answers to slip is refused: the ladder takes a shorter one.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -121,10 +121,29 @@ impl Ramps {
 }
 
 impl Block {
+    /// The block over a rung, and whether it may be so long.
+    ///
+    /// `varies`: friction may follow the slip.
+    #[inline(always)]
+    pub(crate) fn over(
+        p: &Params,
+        plant: &Plant,
+        rung: &Rung,
+        input: &Input,
+        rate: &InputRate,
+        varies: bool,
+    ) -> (Self, bool) {
+        if varies {
+            Self::with_varying_friction(p, plant, rung, input, rate)
+        } else {
+            (Self::new(p, plant, rung, input, rate), true)
+        }
+    }
+
     /// The block over a rung with friction that follows the slip; false: it is too long for that.
     #[cold]
     #[inline(never)] // other steps need not have stack for its matrices
-    pub(crate) fn with_varying_friction(
+    fn with_varying_friction(
         p: &Params,
         plant: &Plant,
         rung: &Rung,

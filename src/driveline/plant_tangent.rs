@@ -128,6 +128,7 @@ impl Plant {
 #[cfg(test)]
 mod tests {
     use crate::Params;
+    use crate::friction::FrictionCurve;
     use crate::integrate::Propagators;
     use crate::plant::{ClutchState, Input, InputRate, Output, Plant};
     use crate::plant_matrices::State;
@@ -198,12 +199,21 @@ mod tests {
             ([9e3, 300.0], 36.0, [Engaged, Slipping]),
             ([300.0, 9e3], 23.04, [Slipping, Engaged]),
         ];
-        for rigid in [false, true] {
+        let curve = FrictionCurve {
+            slip: [0.0, 10.0, 25.0, 60.0, 150.0],
+            factor: [1.1, 1.0, 0.95, 1.0, 0.7],
+        };
+        for (rigid, curve) in [
+            (false, FrictionCurve::CONSTANT),
+            (true, FrictionCurve::CONSTANT),
+            (false, curve),
+        ] {
             for (force, omega_e, states) in cases {
-                let p = Params {
+                let mut p = Params {
                     rigid,
                     ..Params::TABLE_1
                 };
+                p.clutch.iter_mut().for_each(|clutch| clutch.curve = curve);
                 let input = Input {
                     t_e: 20.0,
                     force,

@@ -4,6 +4,7 @@
 //! states and spring torques depend on states only; what a slipping or engaged clutch carries
 //! depends on the positions at the communication point as well, and the table says so.
 
+mod lining;
 mod propagation;
 mod shelf;
 mod table;
@@ -311,7 +312,8 @@ impl Model for Plant {
     }
 
     fn consistent(&self) -> Result<(), Failure> {
-        check_maps(&self.p)
+        check_maps(&self.p)?;
+        lining::check_curves(&self.p)
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {

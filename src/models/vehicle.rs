@@ -307,7 +307,7 @@ pub(crate) const fn actuator<M: Vehicle, const I: usize>() -> [Variable<M>; 3 + 
     ]
 }
 
-/// `prefix[1]` … `prefix[10]`.
+/// `prefix[1]` … `prefix[10]`, or with the indices that are given.
 macro_rules! indexed {
     ($prefix:literal) => {
         indexed!($prefix: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10)
@@ -316,6 +316,7 @@ macro_rules! indexed {
         [$(concat!($prefix, "[", $index, "]")),*]
     };
 }
+pub(crate) use indexed;
 
 const MAP_POSITION: [[&str; MAP_POINTS]; 2] = [
     indexed!("clutch1.map.position"),

@@ -6,7 +6,7 @@ through `STAGES` Chebyshev-Lobatto nodes. For that forcing the state is exact,
     x(c h) = exp(A c h) x0 + sum_j Psi_j(c) v(c_j h),
 
 whatever the stiffness of A. T_v depends on x through omega_w, and friction that varies with slip
-through the slips; both are found by fixed-point iteration (contraction
+through the slips; both are found by fixed-point iteration (for T_v the contraction is
 h |dT_v/domega_w| / J_v < 3e-3 at h = 1 ms).
 """
 

@@ -1,6 +1,7 @@
 //! What holds for a plant whatever it is driven with: friction laws, momentum, energy, symmetry.
 
 use dct_driveline::Params;
+use dct_driveline::friction::FrictionCurve;
 use dct_driveline::integrate::Propagators;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Output, Plant};
 use dct_driveline::plant_matrices::{C, D, State};
@@ -45,11 +46,20 @@ fn busy_run(p: &Params, swap: bool, seconds: u32, mut seen: impl FnMut(&Input, &
     plant
 }
 
-fn variants() -> [Params; 2] {
-    [false, true].map(|rigid| Params {
-        rigid,
+/// Compliant, rigid, and with friction that varies with slip.
+fn variants() -> [Params; 3] {
+    let rigid = Params {
+        rigid: true,
         ..Params::TABLE_1
-    })
+    };
+    let mut curved = Params::TABLE_1;
+    for (clutch, first) in curved.clutch.iter_mut().zip([1.1, 0.9]) {
+        clutch.curve = FrictionCurve {
+            slip: [0.0, 6.0, 20.0, 60.0, 150.0],
+            factor: [first, 1.0, 0.95, 1.0, 0.7],
+        };
+    }
+    [Params::TABLE_1, rigid, curved]
 }
 
 #[test]
@@ -63,7 +73,9 @@ fn every_clutch_obeys_its_friction_law() {
                 match y.state[i] {
                     ClutchState::Disengaged => assert_eq!(y.t_c[i], 0.0),
                     ClutchState::Slipping => {
-                        assert!((torque - p.clutch[i].mu_k * reach).abs() <= 1e-12 * torque);
+                        let factor = p.clutch[i].curve.at(y.slip[i].abs()).0;
+                        let friction = p.clutch[i].mu_k * factor * reach;
+                        assert!((torque - friction).abs() <= 1e-12 * torque);
                     }
                     ClutchState::Engaged => {
                         assert!(torque <= p.clutch[i].mu_s * reach * (1.0 + 1e-9));

@@ -1,6 +1,7 @@
 //! The table of `DctPlant`.
 
 use super::Plant;
+use super::lining::lining;
 use crate::ports;
 use crate::rows::table;
 use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road, shaft};
@@ -16,7 +17,7 @@ pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
     SPEEDS, TORQUES, clutch_outputs::<0>(), clutch_outputs::<1>(),
     driveline(), road(), compliance(),
     shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
-    clutch_parameters::<0>(), clutch_parameters::<1>(), START,
+    clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(), START,
 );
 
 /// State of a clutch.
