@@ -89,7 +89,9 @@ def test_files_are_found() -> None:
 
 
 def test_files_are_short() -> None:
-    assert [n for n in _files(*CODE) if len(_text(n).splitlines()) > LINES] == []
+    """All but the table of all variables, which is generated."""
+    written = [n for n in _files(*CODE) if n != "modelDescription/VARIABLES.md"]
+    assert [n for n in written if len(_text(n).splitlines()) > LINES] == []
 
 
 def test_unsafe_code_is_where_it_is_known_to_be() -> None:

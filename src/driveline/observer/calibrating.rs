@@ -37,6 +37,7 @@ use crate::observer::calibrating_model::{
 };
 use crate::observer::filter::{Belief, row};
 use crate::observer::grip::{Grip, Hold};
+use crate::observer::prior::Prior;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use nalgebra::{ComplexField, SMatrix, SVector};
@@ -70,6 +71,8 @@ pub struct Gains {
     ///
     /// 0 makes an anchor: the parameter is trusted and stays.
     pub sigma: [f64; PARAMETERS],
+    /// What an earlier drive learnt.
+    pub prior: Prior,
     /// Standard deviation of a measured speed [rad/s].
     pub sensor: f64,
 }
@@ -80,6 +83,7 @@ impl Gains {
         q: [300.0, 2000.0, 1e-6, 0.5],
         walk: [1e-5, 1e-7, 1e-9, 1e-8, 1e-8, 1e-8, 1e-8],
         sigma: [0.06, 3.0, 0.3, 0.02, 0.1, 0.2, 0.1, 0.2],
+        prior: Prior::NONE,
         sensor: 0.1,
     };
 
@@ -149,8 +153,9 @@ impl Observer for Calibrating {
             ..Self::default()
         };
         if !sample.is_finite() {
-            return self.refuse();
+            return self.refuse(settings);
         }
+        let (p, sample) = &settings.calibrating.prior.correct(p, sample);
         self.tracker.start(p, sample, &wheel());
         let resistance = View::new(p, sample, &self.tracker.belief.x).resistance();
         self.tracker.belief.x[T_V] -= resistance;
@@ -159,8 +164,9 @@ impl Observer for Calibrating {
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
-            return self.refuse();
+            return self.refuse(settings);
         }
+        let (p, sample) = &settings.calibrating.prior.correct(p, sample);
         self.tracker.follow(p, sample, &wheel(), h);
         let hold = self.grip.step(p, sample, self.tracker.lock.engaged(), h);
         self.follow_force(sample, hold);
@@ -271,9 +277,9 @@ impl Calibrating {
     }
 
     /// What is said of a sample that cannot be used.
-    fn refuse(&self) -> Estimate {
+    fn refuse(&self, settings: &Settings) -> Estimate {
         Estimate {
-            calibration: self.calibration(),
+            calibration: settings.calibrating.prior.with(&self.calibration()),
             ..self.tracker.refuse()
         }
     }
@@ -292,7 +298,7 @@ impl Calibrating {
             t_c_deviation: [0, 1].map(|i| uncertain(own.t_c[i], own.t_c_deviation[i])),
             t_o_deviation: uncertain(own.t_o, own.t_o_deviation),
             friction: own.friction.map(|mu| mu * factor),
-            calibration: self.calibration(),
+            calibration: settings.calibrating.prior.with(&self.calibration()),
             ..own
         };
         said.with_friction_terms(p, settings, sample)

@@ -27,6 +27,7 @@ pub mod lyapunov;
 pub mod monitor;
 pub mod paper;
 pub mod phase;
+pub mod prior;
 mod schedule;
 pub mod select;
 pub mod shift;

@@ -15,7 +15,9 @@ mod bench;
 use bench::sensors::{noisy, perfect, torque_error, wheel_bias};
 use bench::{Drive, observe, scenarios};
 use dct_driveline::Params;
-use dct_driveline::observer::{Calibration, Method, Sample, Selected, Settings};
+use dct_driveline::observer::calibrating::Gains;
+use dct_driveline::observer::prior::Prior;
+use dct_driveline::observer::{Calibration, Estimate, Method, Sample, Selected, Settings};
 
 const H: f64 = 1e-3;
 /// Largest RMSE of T_c1/T_c2/T_o under each error [% of RMS], and with speed noise.
@@ -167,4 +169,49 @@ fn a_filter_that_does_not_learn_pays_five_times_as_much() {
         (0..3).all(|i| learning[i] < 0.2 * plain[i]),
         "{plain:?} {learning:?}"
     );
+}
+
+/// RMSE of T_o [N·m] over the first launch, and what was learnt at the end.
+fn launch(drive: &Drive, settings: &Settings) -> (f64, Estimate) {
+    const LAUNCH: f64 = 4.0;
+    let p = Params {
+        j_e: 1.2 * drive.p.j_e,
+        k_o: 0.9 * drive.p.k_o,
+        ..drive.p
+    };
+    let (mut square, mut last) = (0.0, Estimate::default());
+    let mut observer = Selected::new(Method::Calibrating);
+    observe(
+        drive,
+        &mut observer,
+        &p,
+        settings,
+        torque_error,
+        |moment, estimate| {
+            if moment.time < LAUNCH {
+                square += (estimate.t_o - moment.y.t_o).powi(2) * drive.h / LAUNCH;
+            }
+            last = *estimate;
+        },
+    );
+    (square.sqrt(), last)
+}
+
+/// Errors of T_e, J_e and k_o at once; the second drive starts where the first one ended.
+#[test]
+fn a_second_drive_starts_with_what_the_first_has_learnt() {
+    let drive = scenarios::paper().drive(H);
+    let (first, learnt) = launch(&drive, &Settings::CASE_1);
+    let settings = Settings {
+        mu_n: learnt.friction,
+        calibrating: Gains {
+            prior: Prior(learnt.calibration.value),
+            sigma: learnt.calibration.deviation,
+            ..Gains::DEFAULT
+        },
+        ..Settings::CASE_1
+    };
+    let (second, _) = launch(&drive, &settings);
+    println!("first launch {first:.1} N·m, second drive {second:.1} N·m");
+    assert!(second < 0.5 * first, "{first:.1} {second:.1} N·m");
 }

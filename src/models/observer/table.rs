@@ -24,7 +24,7 @@ pub(super) const MOMENTUM: i32 = 3;
 pub(super) const VARIABLES: &[Variable<Observer>] = table!(Observer:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
     OUTPUTS, clutch_outputs::<0>(), clutch_outputs::<1>(),
-    SETTINGS, NOMINAL_FRICTION, gains::GAINS, calibration::OUTPUTS, calibration::ANCHORS,
+    SETTINGS, NOMINAL_FRICTION, gains::GAINS, calibration::OUTPUTS, calibration::STARTS, calibration::ANCHORS,
     driveline(), road(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
 );
 

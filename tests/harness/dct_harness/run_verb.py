@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import check_step, formats, junit, kpi, progress, results, selection, watch
+from . import calibration, check_step, formats, junit, kpi, progress, results, selection, watch
 from .arguments import Verbs, add_limits, add_loudness, amount, limits, seconds, verb
 from .environment import environment
 from .errors import HarnessError
@@ -24,6 +24,7 @@ EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/pap
 run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
 run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60
 run examples/closed_loop/paper_case1.toml --engine native
+run examples/closed_loop/calibration_case1.toml --calibration earlier/calibration.ssv
 run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml"""
 
 
@@ -119,8 +120,10 @@ def save(loop: Run, out: Path, failure: HarnessError | None, suffix: str = "csv"
 
 
 def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
-    """Compute the KPIs and write them."""
-    kpis = kpi.compute(results.from_table(*loop.table(), record, out), record)
+    """Compute the KPIs and write them, and what an observer has learnt."""
+    told = results.from_table(*loop.table(), record, out)
+    calibration.save(out, told)
+    kpis = kpi.compute(told, record)
     results.write_text(out / KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
     return kpis
 

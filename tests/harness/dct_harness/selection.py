@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import mapping, ssp, system
+from . import calibration, mapping, ssp, system
 from .arguments import seconds
 from .errors import ConfigError
 
@@ -24,6 +24,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
     parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
     parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
+    learnt = "calibration.ssv of an earlier run: the observer starts with what it had learnt"
+    parser.add_argument("--calibration", type=Path, metavar="FILE", help=learnt)
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
                         help="a parameter or start value; may be given more than once")  # fmt: skip
 
@@ -37,6 +39,8 @@ def choose(args: argparse.Namespace) -> Chosen:
         paths["plant"] = args.plant
     model.interpolate |= args.interpolate
     names = _mapping(args, model)
+    if args.calibration is not None:
+        calibration.apply(model, args.calibration)
     for text in args.set:
         model.override(text)
     return model, paths, names, package

@@ -103,6 +103,67 @@ pub(super) const OUTPUTS: [Variable<Observer>; 16] = [
     ),
 ];
 
+/// A parameter that is a tenth of what it was believed to be is no calibration any more.
+const RATIO: f64 = -0.9;
+
+/// What an earlier drive learnt.
+pub(super) const STARTS: [Variable<Observer>; 8] = [
+    started(
+        "calibration.torqueScaleStart",
+        U::ONE,
+        |m| &mut m.settings.calibrating.prior.0[0],
+        "calibration.torqueScale of an earlier drive",
+    )
+    .min(RATIO),
+    started(
+        "calibration.torqueBiasStart",
+        U::NEWTON_METRE,
+        |m| &mut m.settings.calibrating.prior.0[1],
+        "calibration.torqueBias of an earlier drive",
+    ),
+    started(
+        "calibration.inertiaErrorStart",
+        U::ONE,
+        |m| &mut m.settings.calibrating.prior.0[2],
+        "calibration.inertiaError of an earlier drive",
+    )
+    .min(RATIO),
+    started(
+        "calibration.wheelSpeedBiasStart",
+        U::RADIAN_PER_SECOND,
+        |m| &mut m.settings.calibrating.prior.0[3],
+        "calibration.wheelSpeedBias of an earlier drive",
+    ),
+    started(
+        "calibration.stiffnessErrorStart",
+        U::ONE,
+        |m| &mut m.settings.calibrating.prior.0[4],
+        "calibration.stiffnessError of an earlier drive",
+    )
+    .min(RATIO),
+    started(
+        "calibration.dampingErrorStart",
+        U::ONE,
+        |m| &mut m.settings.calibrating.prior.0[5],
+        "calibration.dampingError of an earlier drive",
+    )
+    .min(RATIO),
+    started(
+        "calibration.gearboxInertiaErrorStart",
+        U::ONE,
+        |m| &mut m.settings.calibrating.prior.0[6],
+        "calibration.gearboxInertiaError of an earlier drive",
+    )
+    .min(RATIO),
+    started(
+        "calibration.vehicleInertiaErrorStart",
+        U::ONE,
+        |m| &mut m.settings.calibrating.prior.0[7],
+        "calibration.vehicleInertiaError of an earlier drive",
+    )
+    .min(RATIO),
+];
+
 /// Standard deviations at the start, and noises.
 pub(super) const ANCHORS: [Variable<Observer>; 13] = [
     believed(
@@ -207,4 +268,13 @@ const fn believed(
     description: &'static str,
 ) -> Variable<Observer> {
     Variable::parameter(name, unit, field, description).min(0.0)
+}
+
+const fn started(
+    name: &'static str,
+    unit: U,
+    field: fn(&mut Observer) -> &mut f64,
+    description: &'static str,
+) -> Variable<Observer> {
+    Variable::parameter(name, unit, field, description)
 }
