@@ -65,7 +65,7 @@ def test_several_fmus_are_a_closed_loop(tmp_path: Path) -> None:
     assert [float(row["time"]) for row in rows] == [index * 10 * STEP for index in range(21)]
     late = {name: float(value) for name, value in rows[15].items()}
     assert late["DctPlant.clutch1.state"] == 2  # it slips
-    # The observer finds the friction 0.26 though it believed in 0.4; so torque and request are equal.
+    # The observer finds the friction 0.26 though it believed in 0.4: torque and request are equal.
     assert abs(late["DctObserver.clutch1.friction"] - 0.26) < 0.001
     assert abs(late["DctPlant.clutch1.torque"] - 60) < 0.1
     assert abs(late["DctObserver.clutch1.torque"] - late["DctPlant.clutch1.torque"]) < 0.1

@@ -233,7 +233,7 @@ impl<M: Model> Instance<M> {
         let (step, end) = self.legal_step(time, step)?;
         self.now
             .model
-            .step(time, step, log)
+            .step(time, nominal(step), log)
             .map_err(|failure| self.fail(failure))?;
         (self.now.time, self.now.stale) = (end, false);
         if M::STEPS_STAY_FINITE {
@@ -262,7 +262,7 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    /// Size and end of a legal step [s]. The size is the importer's own, bit for bit, unless the step
+    /// Size and end of a legal step [s]. The end is the importer's own, bit for bit, unless the step
     /// misses the stop time by rounding: then it ends there.
     fn legal_step(&self, time: f64, step: f64) -> Result<(f64, f64), Error> {
         let (current, stop) = (self.now.time, self.now.stop);
@@ -369,6 +369,23 @@ fn derivative<M: Model>(
         variable: row.name,
         order,
     })
+}
+
+/// A step [s] in whole picoseconds, where that changes it by less than an importer's rounding may.
+///
+/// Importers reckon steps as differences of times: 0.009999999999999787 s, then 0.010000000000000675 s.
+/// As 0.01 s they are one and the same, so that a model may keep what it worked out for a step size,
+/// and every importer gets the same bits.
+fn nominal(step: f64) -> f64 {
+    const PICOSECONDS: f64 = 1e12; // in a second
+    const WHOLE: f64 = 1.0 / f64::EPSILON; // added and taken off again it rounds to a whole number
+    let given = step * PICOSECONDS;
+    let whole = (given + WHOLE) - WHOLE;
+    if (given - whole).abs() <= TIME_TOLERANCE * given {
+        whole / PICOSECONDS
+    } else {
+        step
+    }
 }
 
 #[cfg(test)]

@@ -36,7 +36,8 @@ pub trait Model: Clone + Default + Send + 'static {
     fn initialize(&mut self, time: f64, log: &mut Log<'_>) -> Result<(), Failure>;
 
     /// Advances from `time` to `time + step` [s] with the inputs held (plus their rates, where the
-    /// rows have one), and computes all outputs. `step` is finite and > 0.
+    /// rows have one), and computes all outputs. `step` is finite and > 0; one that an importer reckoned
+    /// as a difference of times comes without its rounding, so that equal steps are equal to the bit.
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure>;
 
     /// Recomputes the outputs that depend directly on inputs or tunable parameters.

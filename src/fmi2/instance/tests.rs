@@ -366,3 +366,22 @@ fn a_model_that_leaves_the_numbers_ends_in_error() {
     );
     assert_eq!(tank.state(), State::Error);
 }
+
+#[test]
+fn steps_reckoned_as_differences_are_equal_to_the_bit() {
+    for h in [1e-4, 1e-3, 7e-4, 1e-2, 0.013, 0.001_953_125] {
+        for k in 1..100_000_u32 {
+            let step = f64::from(k + 1) * h - f64::from(k) * h;
+            assert_eq!(nominal(step).to_bits(), h.to_bits(), "{k} {h}");
+        }
+    }
+}
+
+#[test]
+fn a_step_that_no_rounding_explains_is_kept() {
+    for step in [1e-300, 1.234_567_89e-9, f64::MIN_POSITIVE, 1.0 / 3e4] {
+        assert_eq!(nominal(step).to_bits(), step.to_bits(), "{step}");
+    }
+    let third = 1.0 / 3.0;
+    assert!((nominal(third) - third).abs() <= 0.5e-12);
+}
