@@ -136,15 +136,25 @@ def pair(folder: Path, scenario: dict[str, float], values: dict[str, float]) -> 
 
 
 def test_fmpy_runs_it(tmp_path: Path) -> None:
-    """The plant's rows are the same bits; fmpy reads no parameter sets of components."""
+    """The plant's rows are the same bits; fmpy reads no parameter sets of components.
+
+    An input reaches a component one step late there, and is 0 over the first step. The clutch
+    closes when the gear is in.
+    """
     system = pair(tmp_path, LAUNCH, {})
+    times = (0.0, 0.01, 0.21, 0.22)
+    rows = [[t, 0, *(value * (t > 0) * (t > 0.215 or name != "clutch1.position")
+                     for name, value in LAUNCH.items())] for t in times]  # fmt: skip
+    head = (tmp_path / "s.csv").read_text().splitlines()[0]
+    (tmp_path / "s.csv").write_text("\n".join([head, *(",".join(map(str, r)) for r in rows), ""]))
     file = export(tmp_path, system)
     assert read_ssd(str(file), validate=True).system.name == "pair"
     ours = both(tmp_path, system, file)[1]
     signals = {name: lambda _, value=value: value for name, value in LAUNCH.items()}
+    signals["clutch1.position"] = lambda t: LAUNCH["clutch1.position"] if t > 0.205 else 0.0
     theirs = simulate_ssp(str(file), stop_time=1.0, step_size=0.01, input=signals)
     for name in ("plant.vehicle.speed", "plant.clutch1.torque"):
-        assert theirs[name].tolist() == ours[name][: len(theirs)].tolist()
+        assert theirs[name].tolist() == ours[name][1 : len(theirs) + 1].tolist()
     assert theirs["plant.vehicle.speed"][-1] > 0.5
 
 

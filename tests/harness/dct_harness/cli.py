@@ -12,6 +12,7 @@ from . import (
     completion_verb,
     convert_verb,
     doctor_verb,
+    export_container_verb,
     export_ssp_verb,
     identify_verb,
     map_verb,
@@ -23,7 +24,8 @@ from .errors import HarnessError, InterruptedRunError
 from .suggesting import Parser
 
 VERBS = (run_verb, check_verb, map_verb, report_verb, compare_verb, convert_verb, identify_verb,
-         sweep_verb, export_ssp_verb, doctor_verb, completion_verb)  # fmt: skip
+         sweep_verb, export_ssp_verb, export_container_verb, doctor_verb,
+         completion_verb)  # fmt: skip
 CLOSED_PIPE = 141  # as a shell reports SIGPIPE
 EXIT_CODES = """exit codes:
   0 pass, 1 KPI or regression fails, 2 usage or configuration, 3 FMU invalid,
