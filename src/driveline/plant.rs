@@ -70,6 +70,7 @@ impl Plant {
             viscous: 0.0,
             synchroniser: 0.0,
             load: 0.0,
+            brake: 0.0,
         },
         stored_at_start: 0.0,
         grade: Grade::LEVEL,
@@ -252,6 +253,8 @@ impl Plant {
             friction_power: [t_c[0] * slip[0], t_c[1] * slip[1]],
             friction_energy: self.work.friction,
             synchronising: systems.coupling.synchronising,
+            brake_power: self.brake_power(input.t_brake),
+            brake_energy: self.work.brake,
             synchroniser_energy: self.work.synchroniser,
             energy_residual: self.energy_residual(systems),
         };
@@ -277,9 +280,10 @@ impl Plant {
             viscous,
             synchroniser,
             load,
+            brake,
         } = self.work;
         let stored = systems.stored_energy(&self.x) - self.stored_at_start;
-        engine - stored - one - two - viscous - synchroniser - load
+        engine - stored - one - two - viscous - synchroniser - load - brake
     }
 
     /// Takes the modes of brake and clutches that are consistent after `event`.
@@ -344,6 +348,11 @@ impl Plant {
     /// Moves to the end of a block and books its work.
     fn accept(&mut self, systems: &Systems, rung: &Rung, block: &Block) {
         self.book(rung, &block.z, &rung.work(&block.z, &block.motion));
+        if self.brake.direction() != 0.0 {
+            let lost = self.brake.direction() * block.brake_work();
+            self.work.load -= lost;
+            self.work.brake += lost;
+        }
         self.x = block.x_end;
         self.hold_ratios(systems.rigid_ratio);
         project(systems, stuck_set(self.modes), &mut self.x);

@@ -48,11 +48,11 @@ pub(crate) fn augmented(x: &State, v: &Torques, v_dot: &Torques) -> Augmented {
 
 /// A stretch of time without events, from z(0) to its end.
 pub(crate) struct Block {
-    t: f64,
+    pub(crate) t: f64,
     pub(crate) z: Augmented,
     pub(crate) motion: Motion,
     pub(crate) x_end: State,
-    input: Input,
+    pub(crate) input: Input,
     pub(crate) input_end: Input,
     rate: InputRate,
     pub(crate) grade_end: Grade,

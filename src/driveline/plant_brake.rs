@@ -9,6 +9,7 @@
 
 use crate::Params;
 use crate::plant::Plant;
+use crate::plant_block::Block;
 use crate::plant_matrices::{O, State, TWIST_O, W};
 use crate::plant_modes::{CAPACITY_MARGIN, Event, Guard, Mode};
 use crate::plant_ports::{Input, InputRate};
@@ -84,6 +85,15 @@ pub(crate) fn guards(
     [-1.0, 1.0].map(|sign| guard(reach + sign * urge, reach_rate + sign * urge_rate))
 }
 
+impl Block {
+    /// Work of a brake that slides forward all over the block [J].
+    pub(crate) fn brake_work(&self) -> f64 {
+        let [angle, moment] = self.motion.wheel_angles();
+        let (start, end) = (self.input.t_brake, self.input_end.t_brake);
+        start * angle + (end - start) / self.t * moment
+    }
+}
+
 impl Plant {
     /// Takes the mode of the brake that is consistent after `event`; held wheels stand exactly still.
     pub(crate) fn resolve_brake(
@@ -111,6 +121,16 @@ impl Plant {
             self.work.load += 0.5 * p.j_v * self.x[W] * self.x[W];
             self.x[W] = 0.0;
         }
+    }
+
+    /// T_b ω_w of the sliding brake [W], ≥ 0.
+    pub(crate) fn brake_power(&self, t_brake: f64) -> f64 {
+        self.brake_direction() * t_brake * self.x[W]
+    }
+
+    /// Change of [`Self::brake_power`] [W] by those of the wheel speed and of T_b.
+    pub(crate) fn brake_power_change(&self, input: &Input, d_omega_w: f64, d_t_brake: f64) -> f64 {
+        self.brake_direction() * (input.t_brake * d_omega_w + d_t_brake * self.x[W])
     }
 
     /// sgn ω_w as the brake sees it [1]; 0 while it holds.

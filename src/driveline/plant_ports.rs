@@ -54,8 +54,10 @@ pub struct Work {
     pub viscous: f64,
     /// Lost in synchronisers, elastic energy let go by gears that go out included.
     pub synchroniser: f64,
-    /// Done against road load and brake.
+    /// Done against the road load, dry rolling resistance included.
     pub load: f64,
+    /// Lost in the brake.
+    pub brake: f64,
 }
 
 /// State of a clutch as users see it.
@@ -117,6 +119,10 @@ pub struct Output {
     pub friction_power: [f64; 2],
     /// Friction energy since the start [J], shape (2).
     pub friction_energy: [f64; 2],
+    /// Friction power of the brake [W], ≥ 0.
+    pub brake_power: f64,
+    /// Friction energy of the brake since the start [J].
+    pub brake_energy: f64,
     /// A gear is preselected that is not in yet: its synchroniser rubs, shape (2).
     pub synchronising: [bool; 2],
     /// Energy lost in synchronisers since the start [J].

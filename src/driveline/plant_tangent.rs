@@ -67,6 +67,7 @@ impl Plant {
             t_v: dv[3],
             slip,
             friction_power: [0, 1].map(|i| t_c[i] * now.slip[i] + now.t_c[i] * slip[i]),
+            brake_power: self.brake_power_change(input, dx[W], du.t_brake),
             ..Output::default()
         }
     }
@@ -88,6 +89,7 @@ impl Plant {
         let x_dot = systems.by_stuck[stuck_set(self.modes)].derivative(&self.x, &v);
         Output {
             friction_energy: now.friction_power,
+            brake_energy: now.brake_power,
             synchroniser_energy: self.synchroniser_power(p),
             ..self.tangent(p, systems, input, &x_dot, rate)
         }

@@ -60,6 +60,12 @@ impl Motion {
         z[W] + self.0[W]
     }
 
+    /// ∫ ω_w dτ [rad] and ∫ τ ω_w dτ [rad·s], shape (2): what a constant torque and a ramp on the wheels work on.
+    pub(crate) const fn wheel_angles(&self) -> [f64; 2] {
+        let [.., angle, moment, _] = self.0;
+        [angle, moment]
+    }
+
     /// Slip 1, slip 2 and ω_w at the end [rad/s], shape (3): what T_c1, T_c2 and T_v work on.
     pub(crate) fn worked_speeds(&self, z: &Augmented) -> [f64; 3] {
         let x = self.end(z);

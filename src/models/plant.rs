@@ -5,6 +5,7 @@
 //! depends on the positions at the communication point as well, and the table says so.
 
 mod lining;
+mod losses;
 mod propagation;
 mod shelf;
 mod table;
@@ -338,6 +339,7 @@ impl Model for Plant {
             &mut work.viscous,
             &mut work.synchroniser,
             &mut work.load,
+            &mut work.brake,
         ] {
             fields.real(value);
         }

@@ -111,6 +111,42 @@ fn energy_balances_over_a_run() {
     }
 }
 
+/// A stop in neutral on a level road without any other resistance: the brake takes what was stored.
+#[test]
+fn the_brake_takes_the_energy_of_a_stop() {
+    let mut p = Params::TABLE_1;
+    (p.road.c_rr, p.road.c_drag) = (0.0, 0.0);
+    let propagators = Propagators::new(&p, [0, 0], H);
+    let mut plant = Plant::start(&p, &Input::default(), 0.0, 10.0);
+    let stored =
+        |plant: &Plant, propagators: &Propagators| propagators.systems.stored_energy(&plant.x);
+    let (before, mut sum) = (stored(&plant, &propagators), 0.0);
+    for k in 0..3000_u32 {
+        let time = f64::from(k) * H;
+        let input = Input {
+            t_brake: 2000.0 * (1.0 - (3.0 * time).cos()),
+            ..Input::default()
+        };
+        let rate = InputRate {
+            t_brake: 6000.0 * (3.0 * (time + 0.5 * H)).sin(),
+            ..InputRate::default()
+        };
+        let power = |plant: &Plant, input: &Input| {
+            plant.outputs(&p, &propagators.systems, input).brake_power
+        };
+        let start = power(&plant, &input);
+        plant.step(&p, &mut propagators.clone(), &input, &rate);
+        sum += 0.5 * H * (start + power(&plant, &input.after(&rate, H)));
+    }
+    let y = plant.outputs(&p, &propagators.systems, &Input::default());
+    assert_eq!(y.omega_w, 0.0);
+    let spent = before - stored(&plant, &propagators) - plant.work.viscous;
+    assert!(y.brake_energy > 0.99 * before, "{} J", y.brake_energy);
+    assert!((y.brake_energy - spent).abs() < 1e-9 * before, "{spent} J");
+    // Trapezoids of 1 ms, one of which holds the stop.
+    assert!((y.brake_energy - sum).abs() < 1e-4 * before, "{sum} J");
+}
+
 /// Angular momentum at the engine and at the gearbox side of a clutch that locks up [N·m·s].
 #[test]
 fn lock_up_keeps_speed_and_momentum() {

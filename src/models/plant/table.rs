@@ -2,6 +2,7 @@
 
 use super::Plant;
 use super::lining::lining;
+use super::losses::LOSSES;
 use crate::ports;
 use crate::rows::table;
 use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road, shaft};
@@ -14,7 +15,7 @@ pub(super) const LONGEST_STEP: f64 = 1.0;
 /// All rows; the index is the value reference.
 pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
-    SPEEDS, TORQUES, clutch_outputs::<0>(), clutch_outputs::<1>(),
+    SPEEDS, TORQUES, LOSSES, clutch_outputs::<0>(), clutch_outputs::<1>(),
     driveline(), road(), compliance(),
     shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
     clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(), START,
@@ -196,7 +197,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     .depends_on(STATES),
 ];
 
-const TORQUES: [Variable<Plant>; 5] = [
+const TORQUES: [Variable<Plant>; 3] = [
     Variable::output(
         "damper.torque",
         U::NEWTON_METRE,
@@ -221,22 +222,6 @@ const TORQUES: [Variable<Plant>; 5] = [
     )
     .slope(|m| &mut m.y_rate.t_v)
     .depends_on(LOAD),
-    Variable::output(
-        "synchroniser.energy",
-        U::JOULE,
-        |m: &mut Plant| &mut m.y.synchroniser_energy,
-        "Energy lost in the synchronisers since the start",
-    )
-    .slope(|m| &mut m.y_rate.synchroniser_energy)
-    .depends_on(STATES),
-    Variable::output(
-        "energy.residual",
-        U::JOULE,
-        |m: &mut Plant| &mut m.y.energy_residual,
-        "Energy balance over the run: work in - stored - lost",
-    )
-    .slope(|m| &mut m.y_rate.energy_residual)
-    .depends_on(STATES),
 ];
 
 const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
