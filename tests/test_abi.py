@@ -27,8 +27,8 @@ CYCLES = {PROBE: 1_000_000, "DctPlant": 10_000, "DctObserver": 10_000, "DctClutc
 LOADS = {PROBE: 5000, "DctPlant": 500, "DctObserver": 500, "DctClutchControl": 500}
 CASES = ("every_function", "without_logger", "threads", "untouched", "freed", "foreign",
          "called_back", "shared", "extremes", "corrupted", "importers")  # fmt: skip
-# Stack of the calling thread [KiB]. The plant builds its propagators on it, some 300 KiB.
-STACK = {PROBE: 32, "DctPlant": 384, "DctObserver": 32, "DctClutchControl": 32}
+# Stack of the calling thread [KiB]. The plant builds its propagators on it: 48 KiB are enough.
+STACK = {PROBE: 32, "DctPlant": 64, "DctObserver": 32, "DctClutchControl": 32}
 # Under valgrind: those that free, refuse and copy.
 CHECKED = ("every_function", "freed", "foreign", "called_back", "corrupted", "importers")
 
@@ -54,7 +54,7 @@ VARIABLES = {
 
 
 @cache
-def _library(model: str) -> Library:
+def library(model: str) -> Library:
     return _probe() if model == PROBE else _unpacked(model)
 
 
@@ -78,21 +78,26 @@ def _probe() -> Library:
 
 
 @cache
-def _host() -> Path:
-    """Return the C importer, compiled."""
+def host(*more: str) -> Path:
+    """Return the C importer, compiled, perhaps with more flags."""
     BUILT.mkdir(parents=True, exist_ok=True)
-    program = BUILT / "abi"
-    flags = ["-std=gnu11", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", "-O1", "-g", "-pthread"]
+    program = BUILT / "".join(["abi", *more])
+    flags = ["-std=gnu11", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", "-O1", "-g", "-pthread",
+             *more]  # fmt: skip
     sources = sorted(ABI.glob("*.c"))
     command = ["cc", *flags, f"-I{HEADERS}", *sources, "-o", program, "-ldl", "-lm"]
     subprocess.run(command, check=True)
     return program
 
 
+def arguments(library: Library, *words: str | Path) -> list[str]:
+    """Return the importer's command line: the library, what it needs to know of it, the case."""
+    known = (library.path, library.guid, *library.references, library.value)
+    return [str(word) for word in (*known, *words)]
+
+
 def _run(model: str, *words: str | Path, under: tuple[str, ...] = ()) -> None:
-    library = _library(model)
-    names = [str(word) for word in (*library.references, library.value, *words)]
-    command = [*under, _host(), library.path, library.guid, *names]
+    command = [*under, host(), *arguments(library(model), *words)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
@@ -105,7 +110,7 @@ def test_c_importer(model: str, case: str) -> None:
 
 @every_library
 def test_log_messages_are_finished_sentences(model: str) -> None:
-    _run(model, "messages", _library(model).input)
+    _run(model, "messages", library(model).input)
 
 
 @every_library

@@ -9,6 +9,7 @@ typedef void Case(Fmu *fmu, const char *argument);
 /* life.c */
 Case every_function, without_logger, cycles, loads, threads, small_stack, untouched, save, resume;
 /* misuse.c */
-Case freed, foreign, called_back, shared, extremes, corrupted, importers, panics, messages;
+Case freed, foreign, called_back, shared, extremes, corrupted, importers, panics, messages,
+    overrun;
 
 #endif

@@ -173,17 +173,21 @@ void threads(Fmu *fmu, const char *argument)
     free(serial.bytes);
 }
 
+static void *all_calls(void *fmu)
+{
+    every_function(fmu, "");
+    return NULL;
+}
+
 void small_stack(Fmu *fmu, const char *argument)
 {
     size_t size = strtoul(argument, NULL, 10); /* KiB */
     pthread_attr_t attributes;
     pthread_t id;
-    Run own = {fmu, NULL, 0};
     CHECK(pthread_attr_init(&attributes) == 0);
     CHECK(pthread_attr_setstacksize(&attributes, 1024 * size) == 0);
-    CHECK(pthread_create(&id, &attributes, run_alone, &own) == 0);
+    CHECK(pthread_create(&id, &attributes, all_calls, fmu) == 0);
     CHECK(pthread_join(id, NULL) == 0);
-    free(own.bytes);
 }
 
 /* What belongs to the process and not to an FMU. */

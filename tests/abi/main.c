@@ -15,6 +15,7 @@ static const struct {
     {"shared", shared},                 {"extremes", extremes},
     {"corrupted", corrupted},           {"importers", importers},
     {"panics", panics},                 {"messages", messages},
+    {"overrun", overrun},
 };
 
 static fmi2ValueReference reference(const char *text)
