@@ -1,25 +1,36 @@
-"""`dct-harness sweep`: draws that a seed repeats, and failing runs that do not end it."""
+"""`dct-harness sweep`: plans that a seed repeats, runs that fail or are lost, going on later."""
 
 from __future__ import annotations
 
 import csv
 import json
+import math
+import os
 import signal
 import subprocess
 from pathlib import Path
 
 import numpy as np
+import pyarrow
 import pytest
 from dct_harness.errors import ConfigError
-from dct_harness.sweep_verb import draws
+from dct_harness.sampling import METHODS, parse, points
+from dct_harness.sweep_workers import LOST, Job, parallel
 from harness_fixture.lag_fmu import HARNESS, environment, harness, write_system
+from pyarrow import parquet
 
 MANY = 20_000
 FOUR_SIGMA = 4.0  # of the sampling error: one wrong alarm in 16 000, and the seed is fixed
 
 
+def drawn(texts: list[str], runs: int, seed: int, method: str = "random") -> dict[str, np.ndarray]:
+    """Return the values of each varied number, shape (runs,)."""
+    rows = points([parse(text) for text in texts], runs, seed, method)
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
 def test_draws_have_the_moments_of_their_distribution() -> None:
-    found = draws(["a.x=uniform(2, 5)", "b.y=normal(10,0.5)"], MANY, 1)
+    found = drawn(["a.x=uniform(2, 5)", "b.y=normal(10,0.5)"], MANY, 1)
     sigma = {"a.x": 3 / 12**0.5, "b.y": 0.5}
     for name, mean in (("a.x", 3.5), ("b.y", 10.0)):
         near = FOUR_SIGMA * sigma[name] / MANY**0.5
@@ -30,7 +41,7 @@ def test_draws_have_the_moments_of_their_distribution() -> None:
 
 
 def test_a_seed_repeats_its_draws_and_another_does_not() -> None:
-    first, again, other = (draws(["a.x=uniform(0,1)"], 5, seed)["a.x"] for seed in (3, 3, 4))
+    first, again, other = (drawn(["a.x=uniform(0,1)"], 5, seed)["a.x"] for seed in (3, 3, 4))
     assert (first == again).all()
     assert (first != other).all()
 
@@ -41,7 +52,129 @@ def test_a_seed_repeats_its_draws_and_another_does_not() -> None:
 ])  # fmt: skip
 def test_what_is_no_draw_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match="write COMPONENT"):
-        draws([text], 3, 0)
+        drawn([text], 3, 0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_repeats_itself_by_the_seed(method: str) -> None:
+    texts = ["a.x=uniform(0,1)", "b.y=normal(0,1)"]
+    first, again, other = (drawn(texts, 8, seed, method) for seed in (3, 3, 4))
+    assert all((first[n] == again[n]).all() and (first[n] != other[n]).all() for n in first)
+
+
+@pytest.mark.parametrize("method", ["latin-hypercube", "sobol"])
+def test_each_part_of_equal_probability_has_one_value(method: str) -> None:
+    """Of a normal distribution too: its quantiles are found by the error function."""
+    found = drawn(["a.x=uniform(2,4)", "b.y=normal(10,2)"], 64, 5, method)
+    parts = {
+        "a.x": (found["a.x"] - 2) / 2,
+        "b.y": np.array([0.5 * (1 + math.erf((y - 10) / (2 * 2**0.5))) for y in found["b.y"]]),
+    }
+    for place in parts.values():
+        assert sorted((64 * place).astype(int)) == list(range(64))
+
+
+def test_sobol_fills_the_plane_better_than_chance() -> None:
+    """Each of the 8 x 8 squares holds one of 64 points: the sequence is a (0, 6, 2)-net."""
+    found = drawn(["a.x=uniform(0,8)", "b.y=uniform(0,8)"], 64, 1, "sobol")
+    squares = set(zip(found["a.x"].astype(int), found["b.y"].astype(int), strict=True))
+    assert len(squares) == 64
+
+
+def test_choices_are_combined_with_every_set_of_numbers() -> None:
+    factors = [parse(t) for t in ("a.x=uniform(0,1)", "b.n=choice(1, 2)", "b.m=choice(on,off)")]
+    rows = points(factors, 3, 0, "random")
+    assert len(rows) == 12
+    assert len({row["a.x"] for row in rows}) == 3
+    assert {(row["b.n"], row["b.m"]) for row in rows} == {(n, m) for n in (1, 2)
+                                                          for m in ("on", "off")}  # fmt: skip
+    assert len(points(factors[1:], 20, 0, "sobol")) == 4
+
+
+@pytest.mark.parametrize(("texts", "runs", "method", "said"), [
+    (["a.x=uniform(0,1)"], 48, "sobol", "--runs 48: sobol needs a power of two: 32 or 64"),
+    (["a.x=uniform(0,1)", "a.x=normal(0,1)"], 4, "random", "--vary a.x: is varied twice"),
+    (["a.x=choice(1,1)"], 4, "random", "name each choice once"),
+    (["a.x=unifrom(0,1)"], 4, "random", "Did you mean 'uniform'?"),
+    (["a.x=uniform(0,1)"], 0, "random", "needs at least one run"),
+])  # fmt: skip
+def test_a_plan_that_cannot_be_is_refused(
+    texts: list[str], runs: int, method: str, said: str
+) -> None:
+    with pytest.raises(ConfigError) as caught:
+        drawn(texts, runs, 0, method)
+    assert said in str(caught.value)
+
+
+def sweep_rows(folder: Path, *options: str | Path) -> tuple[int, list[dict[str, str]]]:
+    """Return exit code and rows of a sweep into `out` of a folder."""
+    done = harness("sweep", folder / "s.toml", "--out", folder / "out", *options, folder=folder)
+    assert "Traceback" not in done.stderr
+    with (folder / "out/sweep.csv").open() as file:
+        return done.returncode, list(csv.DictReader(file))
+
+
+def test_several_processes_give_the_same_rows(lag_dir: Path, tmp_path: Path) -> None:
+    write_system(tmp_path)
+    options = (
+        "--fmu-dir",
+        lag_dir,
+        "--runs",
+        "4",
+        "--sampling",
+        "sobol",
+        "--vary",
+        "plant.failAt=uniform(0.5,1.5)",
+        "--vary",
+        "plant.tau=choice(1.0,2.0)",
+    )
+    code, rows = sweep_rows(tmp_path, *options)
+    assert (code, len(rows)) == (1, 8)
+    assert (code, rows) == sweep_rows(tmp_path, *options, "--jobs", "2")
+
+
+def test_a_cut_sweep_goes_on_and_repeats_nothing(lag_dir: Path, tmp_path: Path) -> None:
+    """Two rows are gone, one is another one: the first are made anew, the latter is believed."""
+    write_system(tmp_path, "0.1")
+    options = ("--fmu-dir", lag_dir, "--runs", "5", "--vary", "plant.tau=uniform(1,2)")
+    rows = sweep_rows(tmp_path, *options)[1]
+    store = tmp_path / "out/store"
+    for number in (2, 4):
+        (store / f"run-{number:06d}.parquet").unlink()
+    kept = {**parquet.read_table(store / "run-000003.parquet").to_pylist()[0], "verdict": "kept"}
+    parquet.write_table(pyarrow.Table.from_pylist([kept]), store / "run-000003.parquet")
+    again = sweep_rows(tmp_path, *options, "--resume")[1]
+    assert [r["verdict"] for r in again] == ["not judged"] * 2 + ["kept"] + ["not judged"] * 2
+    assert [r["plant.tau"] for r in again] == [r["plant.tau"] for r in rows]
+
+
+@pytest.mark.parametrize(("options", "changed"), [
+    (("--seed", "9"), "seed"), (("--runs", "6"), "runs"), (("--fmu-dir", "other"), "files"),
+])  # fmt: skip
+def test_a_store_of_another_sweep_is_refused(
+    lag_dir: Path, tmp_path: Path, options: tuple[str, str], changed: str
+) -> None:
+    write_system(tmp_path, "0.01")
+    (tmp_path / "other").mkdir()
+    given = ("sweep", tmp_path / "s.toml", "--out", tmp_path / "out", "--fmu-dir", lag_dir,
+             "--runs", "2", "--vary", "plant.tau=uniform(1,2)")  # fmt: skip
+    assert harness(*given, folder=tmp_path).returncode == 0
+    done = harness(*given, "--resume", *options, folder=tmp_path)
+    assert done.returncode == 2
+    assert f"is of another sweep: {changed} changed; choose another --out" in done.stderr
+
+
+def test_a_run_that_kills_its_process_is_recorded_and_the_others_go_on() -> None:
+    rows = list(parallel([(k, {}) for k in range(1, 6)], _fatal, 2))
+    assert sorted((r["run"], r["verdict"]) for r in rows) == [
+        (1, "fine"), (2, "fine"), (3, LOST), (4, "fine"), (5, "fine"),
+    ]  # fmt: skip
+
+
+def _fatal(job: Job) -> dict[str, object]:
+    if job[0] == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"run": job[0], "verdict": "fine"}
 
 
 def test_sweep_judges_every_run_and_goes_on_after_a_failure(lag_dir: Path, tmp_path: Path) -> None:
@@ -57,7 +190,7 @@ def test_sweep_judges_every_run_and_goes_on_after_a_failure(lag_dir: Path, tmp_p
     failed = verdicts.count("exit 4")
     assert 0 < failed < 6
     assert f"verdict: fail, {failed} of 6 runs miss a limit" in done.stdout
-    kept = [p for p in (tmp_path / "out").iterdir() if p.is_dir()]
+    kept = list((tmp_path / "out").glob("run-*"))
     assert len(kept) == failed  # those that failed, to look at
 
 

@@ -6,28 +6,31 @@ import argparse
 import csv
 import io
 import json
-import re
 import shutil
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import progress
+from . import progress, sampling, system
 from .arguments import Verbs, add_loudness, say, verb
 from .errors import ConfigError, HarnessError, InterruptedRunError
 from .kpi.scopes import SCENARIO
 from .kpi.table import aligned, number
 from .results import write_text
-from .run_verb import KPI_FAILS
+from .run_verb import ENGINES, KPI_FAILS
+from .sweep_store import Store, digest
+from .sweep_workers import Job, parallel, serial
 
 SWEEP_CSV = "sweep.csv"
-DRAW = re.compile(r"^(?P<name>[^=]+)=(?P<kind>uniform|normal)\((?P<a>[^,]+),(?P<b>[^,]+)\)$")
 EXAMPLES = """sweep loop.toml --vary 'plant.vehicle.mass=uniform(1300,1900)' --runs 50 --seed 7
-sweep loop.toml --vary 'plant.clutch1.kineticFriction=normal(0.26,0.02)' --out target/sweep"""
+sweep loop.toml --vary 'plant.clutch1.kineticFriction=normal(0.26,0.02)' --out target/sweep
+sweep loop.toml --vary 'observer.method=choice(paper,kalman)' --jobs 2 --engine native
+sweep loop.toml --vary 'plant.vehicle.mass=normal(1500,90)' --sampling sobol --runs 64 --resume"""
 HEAD = ["KPI", "signal", "estimate", "least", "median", "95 %", "most"]
 KEYS = ("kpi", "signal", "estimate", "least", "median", "quantile95", "most")
-VARY_HELP = "COMPONENT.VARIABLE=uniform(LOW,HIGH) or normal(MEAN,DEVIATION)"
 
 
 def add(verbs: Verbs) -> None:
@@ -35,9 +38,18 @@ def add(verbs: Verbs) -> None:
     text = "run a system many times with parameters drawn at random, by a seed"
     parser = verb(verbs, "sweep", sweep, text, EXAMPLES)
     parser.add_argument("system", type=Path, help="system file")
-    parser.add_argument("--vary", action="append", required=True, metavar="DRAW", help=VARY_HELP)
-    parser.add_argument("--runs", type=int, default=20, help="how many (20)")
+    parser.add_argument(
+        "--vary", action="append", required=True, metavar="DRAW", help=sampling.VARY_HELP
+    )
+    many = "sets of numbers, each with every set of choices (20)"
+    parser.add_argument("--runs", type=int, default=20, help=many)
     parser.add_argument("--seed", type=int, default=0, help="same seed, same draws (0)")
+    how = "how numbers are drawn (random)"
+    parser.add_argument("--sampling", choices=sampling.METHODS, default="random", help=how)
+    parser.add_argument("--jobs", type=int, default=1, help="processes at once (1)")
+    parser.add_argument("--engine", choices=tuple(ENGINES), default="fmpy", help="as for run")
+    going = "go on with a sweep in OUT that was cut: finished runs are kept"
+    parser.add_argument("--resume", action="store_true", help=going)
     parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
     parser.add_argument("--out", type=Path, default=Path("target/sweep"),
                         help="folder of sweep.csv and of kept runs (target/sweep)")  # fmt: skip
@@ -45,54 +57,53 @@ def add(verbs: Verbs) -> None:
     add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
 
 
-def draws(texts: list[str], runs: int, seed: int) -> dict[str, np.ndarray]:
-    """Return the values of each varied parameter, shape (runs,); each has a stream of its own.
-
-    Raises
-    ------
-    ConfigError
-        A text is no draw, or there is no run.
-    """
-    if runs < 1 or seed < 0:
-        raise ConfigError(f"--runs {runs} --seed {seed}: needs at least one run, a seed from 0")
-    streams = np.random.SeedSequence(seed).spawn(len(texts))
-    drawn = (_draw(t, runs, np.random.default_rng(s)) for t, s in zip(texts, streams, strict=True))
-    return dict(drawn)
-
-
-def _draw(text: str, runs: int, generator: np.random.Generator) -> tuple[str, np.ndarray]:
-    """Return name and values of one `name=uniform(a,b)` or `name=normal(a,b)`."""
-    match = DRAW.match(text.replace(" ", ""))
-    try:
-        a, b = (float(match[part]) for part in "ab") if match else (np.nan, np.nan)
-    except ValueError:
-        a = b = np.nan
-    uniform = match is not None and match["kind"] == "uniform"
-    if match is None or not np.isfinite([a, b]).all() or b < (a if uniform else 0.0):
-        raise ConfigError(f"--vary {text}: write {VARY_HELP}")
-    draw = generator.uniform if uniform else generator.normal
-    return match["name"], draw(a, b, runs)
-
-
 def sweep(args: argparse.Namespace) -> int:
     """Run, write `sweep.csv` and print how the KPIs spread; returns 1 when a run misses a limit."""
-    values = draws(args.vary, args.runs, args.seed)
-    rows: list[dict[str, Any]] = []
+    factors = [sampling.parse(text) for text in args.vary]
+    sets = sampling.points(factors, args.runs, args.seed, args.sampling)
+    store = Store(args.out, _study(args), args.resume)
+    known = {k: row for k, row in store.rows().items() if k <= len(sets)}
+    jobs = [(k, chosen) for k, chosen in enumerate(sets, 1) if k not in known]
     try:
         with progress.choose(args.quiet or args.json, unit="run") as shown:
-            for k in range(args.runs):
-                chosen = {name: float(drawn[k]) for name, drawn in values.items()}
-                rows.append(_one(args, k + 1, chosen))
+            for row in _rows(args, jobs):
+                store.add(row)
+                known[row["run"]] = row
                 if args.verbose:
-                    told = ", ".join(f"{name} = {value:.5g}" for name, value in chosen.items())
-                    print(f"{k + 1:4d} {rows[-1]['verdict']:10}  {told}", flush=True)
-                shown.update(k + 1, args.runs)
+                    print(_line(row, [f.name for f in factors]), flush=True)
+                shown.update(len(known), len(sets))
     finally:  # Ctrl-C keeps the runs so far
+        rows = [known[k] for k in sorted(known)]
         if rows:
             _write(args.out / SWEEP_CSV, rows)
     missed = sum(row["verdict"] not in ("pass", "not judged") for row in rows)
-    _say(args, rows, list(values), missed)
+    _say(args, rows, [f.name for f in factors], missed)
     return KPI_FAILS if missed else 0
+
+
+def _rows(args: argparse.Namespace, jobs: list[Job]) -> Iterator[dict[str, Any]]:
+    """Yield the row of each run as it ends."""
+    one = partial(_one, args.system, args.fmu_dir, args.out, args.engine, args.keep)
+    if args.jobs == 1 or len(jobs) < 2:
+        return serial(jobs, one)
+    return parallel(jobs, one, min(args.jobs, len(jobs)))
+
+
+def _study(args: argparse.Namespace) -> dict[str, Any]:
+    """Return what the rows of a sweep depend on."""
+    model = system.load(args.system)
+    files = [args.system, *([model.scenario] if model.scenario else [])]
+    fmus = [args.fmu_dir / c.fmu for c in model.components.values()]
+    there = [p for p in (*files, *fmus) if p.is_file()]
+    return {"vary": args.vary, "runs": args.runs, "seed": args.seed, "sampling": args.sampling,
+            "engine": args.engine, "files": digest(*there)}  # fmt: skip
+
+
+def _line(row: dict[str, Any], varied: list[str]) -> str:
+    """Return one run as --verbose prints it."""
+    told = (f"{n} = {row[n]:.5g}" if isinstance(row[n], float) else f"{n} = {row[n]}"
+            for n in varied)  # fmt: skip
+    return f"{row['run']:4d} {row['verdict']:10}  {', '.join(told)}"
 
 
 def _say(
@@ -112,16 +123,20 @@ def _say(
          "spread": told})  # fmt: skip
 
 
-def _one(args: argparse.Namespace, number: int, chosen: dict[str, float]) -> dict[str, Any]:
+def _one(
+    file: Path, fmu_dir: Path, folder: Path, engine: str, keep: bool, job: Job
+) -> dict[str, Any]:
     """Run once; returns the drawn values, the verdict and the KPIs of the whole scenario.
 
     A run that fails does not end the sweep: its verdict is its exit code's name.
     """
     from .cli import parser
 
-    out = args.out / f"run-{number:04d}"
-    command = ["run", str(args.system), "--fmu-dir", str(args.fmu_dir), "--out", str(out), "-q"]
-    command += [word for name, v in chosen.items() for word in ("--set", f"{name}={v!r}")]
+    number, chosen = job
+    out = folder / f"run-{number:04d}"
+    command = ["run", str(file), "--fmu-dir", str(fmu_dir), "--out", str(out), "-q"]
+    command += ["--engine", engine]
+    command += [word for n, v in chosen.items() for word in ("--set", f"{n}={json.dumps(v)}")]
     words = parser().parse_args(command)
     try:
         words.action(words)
@@ -130,7 +145,7 @@ def _one(args: argparse.Namespace, number: int, chosen: dict[str, float]) -> dic
     except HarnessError as error:
         return {"run": number, **chosen, "verdict": f"exit {error.exit_code}"}
     kpis = json.loads((out / "kpis.json").read_text(encoding="utf-8"))
-    if not args.keep:
+    if not keep:
         shutil.rmtree(out)
     whole = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
              for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip

@@ -71,7 +71,7 @@ class System:
         if component not in self.components:
             hint = did_you_mean(component, self.components)
             raise ConfigError(f"--set {text}: {self.path} has no component '{component}'.{hint}")
-        self.components[component].parameters[variable] = _parse(value.strip())
+        self.components[component].parameters[variable] = parse_value(value.strip())
         self.overridden.add((component, variable))
 
     def as_dict(self) -> dict[str, Any]:
@@ -89,7 +89,7 @@ class System:
         }  # fmt: skip
 
 
-def _parse(text: str) -> Value:
+def parse_value(text: str) -> Value:
     """Read a TOML value; anything else is a string."""
     try:
         value = tomlfile.loads(f"value = {text}")["value"]
