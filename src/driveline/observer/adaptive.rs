@@ -14,7 +14,7 @@ use crate::Params;
 use crate::observer::friction::Friction;
 use crate::observer::lever::Lever;
 use crate::observer::load::Load;
-use crate::observer::lock::{self, Lock};
+use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::{Estimate, Sample, Settings, Visit, common_estimate};
 use crate::reduced::{Discrete, Reduced};
@@ -113,7 +113,7 @@ impl Adaptive {
         }
         let y = self.measured(p, sample);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
-        self.lock.step(p, sample, 0.0);
+        self.lock.step(p, sample, [0.0; 2], 0.0);
         self.monitor.start(p, sample);
         let mut now = self.now(p, sample, design);
         now.t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
@@ -136,7 +136,8 @@ impl Adaptive {
         self.follow_gears(p, sample);
         let mut now = self.now(p, sample, design);
         let engaged = self.lock.engaged();
-        self.lock.step(p, sample, h);
+        let t_c = self.torques(settings, &now.levers).1;
+        self.lock.step(p, sample, t_c, h);
         if settings.adapts {
             self.recall(settings, sample, &now.levers, engaged);
             self.adapt(&now, settings.mu_n, h);
@@ -145,8 +146,8 @@ impl Adaptive {
         self.predict(settings, sample, &now, h);
         self.innovation = self.measured(p, sample) - self.x_hat.fixed_rows::<2>(0);
         let mu_hat = self.mu_hat(settings, &now.levers);
-        self.friction.learn(p, sample, mu_hat, h);
         let (engaged, e) = (self.lock.engaged(), self.innovation.into());
+        self.friction.learn(p, sample, engaged, mu_hat, h);
         self.monitor.step(p, sample, engaged, e, h);
         self.monitor.saturated = self.saturated;
         self.estimate(p, settings, sample, &now)
@@ -158,7 +159,7 @@ impl Adaptive {
         self.epsilon.iter_mut().for_each(&mut *visit);
         self.innovation.iter_mut().for_each(&mut *visit);
         self.load.visit(visit);
-        self.lock.since.iter_mut().for_each(&mut *visit);
+        self.lock.visit(visit);
         self.friction.visit(visit);
         self.f_n.iter_mut().for_each(&mut *visit);
         visit(&mut self.saturated);
@@ -261,9 +262,10 @@ impl Adaptive {
         levers: &[Lever; 2],
         engaged: [bool; 2],
     ) {
+        let beyond = self.lock.slips(sample);
         for (i, slip) in sample.slip().into_iter().enumerate() {
             let (before, now) = (self.f_n[i], levers[i].f_n);
-            let slips = now > 0.0 && slip.abs() > lock::SLIP && self.friction.known(i);
+            let slips = now > 0.0 && beyond[i] && self.friction.known(i);
             if slips && (before == 0.0 || engaged[i]) {
                 let mu = self.friction.mu[i] * slip.signum();
                 self.epsilon[i] = (mu - settings.mu_n[i]) * now;

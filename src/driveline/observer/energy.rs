@@ -36,7 +36,7 @@
 use crate::Params;
 use crate::observer::friction::Friction;
 use crate::observer::load::Load;
-use crate::observer::lock::{Lock, SLIP};
+use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::schedule::scaled;
 use crate::observer::speeds::{Speeds, output_speed};
@@ -170,7 +170,7 @@ impl Observer for Energy {
             return self.refuse();
         }
         self.take_speeds(p, sample);
-        self.lock.step(p, sample, 0.0);
+        self.lock.step(p, sample, [0.0; 2], 0.0);
         self.monitor.start(p, sample);
         self.follow_slip(sample);
         let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
@@ -189,7 +189,8 @@ impl Observer for Energy {
         if self.g != p.g(sample.gear) {
             self.take_speeds(p, sample);
         }
-        self.lock.step(p, sample, h);
+        let t_c = self.torques(p, settings, sample);
+        self.lock.step(p, sample, t_c, h);
         self.follow_slip(sample);
         if settings.adapts {
             self.recall(p, settings, sample);
@@ -199,7 +200,8 @@ impl Observer for Energy {
         self.predict(p, settings, sample, t_v, gains.l, h);
         self.innovation = measured(p, sample) - self.x_hat.fixed_rows::<3>(0);
         let mu_hat = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * self.direction[i]);
-        self.friction.learn(p, sample, mu_hat, h);
+        let engaged = self.lock.engaged();
+        self.friction.learn(p, sample, engaged, mu_hat, h);
         let e = self.innovation_x(p, sample);
         self.monitor.step(p, sample, self.lock.engaged(), e, h);
         self.estimate(p, settings, sample, t_v)
@@ -211,7 +213,7 @@ impl Observer for Energy {
         self.direction.iter_mut().for_each(&mut *visit);
         self.innovation.iter_mut().for_each(&mut *visit);
         self.load.visit(visit);
-        self.lock.since.iter_mut().for_each(&mut *visit);
+        self.lock.visit(visit);
         self.friction.visit(visit);
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
@@ -245,8 +247,9 @@ impl Energy {
 
     /// Keeps the direction of a slip that may be damper vibration.
     fn follow_slip(&mut self, sample: &Sample) {
+        let beyond = self.lock.slips(sample);
         for (i, slip) in sample.slip().into_iter().enumerate() {
-            if slip.abs() > SLIP {
+            if beyond[i] {
                 self.direction[i] = slip.signum();
             }
         }

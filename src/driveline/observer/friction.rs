@@ -58,11 +58,19 @@ impl Friction {
         self.seen[i] >= KNOWN
     }
 
-    /// Takes the adapted μ̂ of both clutches, signed like their torque, `h` [s] after the last.
-    pub fn learn(&mut self, p: &Params, sample: &Sample, mu_hat: [f64; 2], h: f64) {
+    /// Takes the adapted μ̂ of both clutches, signed like their torque, `h` [s] after the last; an engaged
+    /// clutch tells nothing.
+    pub fn learn(
+        &mut self,
+        p: &Params,
+        sample: &Sample,
+        engaged: [bool; 2],
+        mu_hat: [f64; 2],
+        h: f64,
+    ) {
         let lever = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n);
         for (i, slip) in sample.slip().into_iter().enumerate() {
-            let slips = slip.abs() > SLIP && lever[i] > LEVER;
+            let slips = slip.abs() > SLIP && lever[i] > LEVER && !engaged[i];
             self.slipping[i] = if slips {
                 (self.slipping[i] + h).min(SETTLING)
             } else {

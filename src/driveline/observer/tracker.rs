@@ -86,7 +86,7 @@ impl<const N: usize> Tracker<N> {
     pub fn start(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>) {
         self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
         self.take_speeds(p, sample, wheel);
-        self.lock.step(p, sample, 0.0);
+        self.lock.step(p, sample, [0.0; 2], 0.0);
         self.monitor.start(p, sample);
     }
 
@@ -95,7 +95,8 @@ impl<const N: usize> Tracker<N> {
         if self.g != p.g(sample.gear) {
             self.take_speeds(p, sample, wheel);
         }
-        self.lock.step(p, sample, h);
+        let t_c = [self.belief.x[T_C], self.belief.x[T_C + 1]];
+        self.lock.step(p, sample, t_c, h);
     }
 
     /// Speeds from measurements: at the start, and when a gear comes in. What is known of parameters
@@ -152,10 +153,11 @@ impl<const N: usize> Tracker<N> {
 
     /// After the correction: friction, and whether the inputs make sense.
     pub fn watch(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) {
-        if settings.adapts {
-            self.friction.learn(p, sample, self.mu_hat(p, sample), h);
-        }
         let (engaged, e) = (self.lock.engaged(), self.innovation_x(p, sample));
+        if settings.adapts {
+            let mu_hat = self.mu_hat(p, sample);
+            self.friction.learn(p, sample, engaged, mu_hat, h);
+        }
         self.monitor.step(p, sample, engaged, e, h);
         self.monitor.doubt(self.surprise, h);
     }
@@ -209,7 +211,7 @@ impl<const N: usize> Tracker<N> {
         self.belief.x.iter_mut().for_each(&mut *visit);
         self.belief.p.iter_mut().for_each(&mut *visit);
         self.innovation.iter_mut().for_each(&mut *visit);
-        self.lock.since.iter_mut().for_each(&mut *visit);
+        self.lock.visit(visit);
         self.friction.visit(visit);
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
