@@ -35,6 +35,8 @@ pub enum Error {
         /// Files that differ or are missing.
         files: Vec<PathBuf>,
     },
+    /// A model refused a call, or failed.
+    Model(fmi2_cosim::Error),
     /// A parameter set does not fit its model.
     ParameterSet {
         /// What does not fit.
@@ -165,6 +167,7 @@ impl fmt::Display for Error {
                     .try_for_each(|file| writeln!(f, "  {}", file.display()))?;
                 write!(f, "run `cargo fmu describe` and commit the result")
             }
+            Self::Model(error) => write!(f, "{error}"),
             Self::ParameterSet { fault } => write!(f, "parameter set: {fault}"),
             Self::Io { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Zip { path, source } => write!(f, "{}: {source}", path.display()),
@@ -227,6 +230,7 @@ impl std::error::Error for Error {
             Self::Io { source, .. } => Some(source),
             Self::Zip { source, .. } => Some(source),
             Self::Write(source) => Some(source),
+            Self::Model(error) => Some(error),
             Self::Parse(source) => Some(source),
             Self::Load { source, .. } => Some(source),
             _ => None,

@@ -1,11 +1,14 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
 use crate::about::{self, About};
+use crate::drive::{Driven, Part};
+use crate::icon::{self, Icon};
 use crate::library::Target;
+use crate::parameters::{self, ParameterSet, Values};
 use crate::port::{self, Port, Terminal};
 use crate::ssp::Component;
 use crate::table::Sheet;
-use crate::{Error, Result, describe, library, page, variables_md};
+use crate::{Error, Result, describe, library, page, smoke, variables_md};
 use dct_models::{ClutchControl, Observer, Plant, ports};
 use fmi2_cosim::{Experiment, Model};
 use std::path::Path;
@@ -26,6 +29,16 @@ pub struct Entry {
     pub(crate) sheet: fn() -> Result<Sheet>,
     /// Prose of its documentation page.
     pub(crate) about: About,
+    /// `model.png`.
+    pub(crate) icon: Icon,
+    /// Parameter sets in its FMU.
+    pub(crate) sets: fn() -> Result<Vec<ParameterSet>>,
+    /// Experiment with reference results in its FMU.
+    pub(crate) smoke: Option<Smoke>,
+    /// Makes an instance of the model.
+    pub(crate) part: fn() -> Box<dyn Part>,
+    /// Writes some parameters with their values as a parameter set.
+    pub(crate) given: fn(&str, Values<'_>) -> Result<String>,
     /// Lists its inputs and outputs.
     pub ports: fn() -> Vec<Port>,
     /// Its default experiment.
@@ -46,6 +59,11 @@ impl Entry {
             table: variables_md::section::<M>,
             sheet: Sheet::of_model::<M>,
             about: About::NOTHING,
+            icon: icon::BLOCK,
+            sets: || Ok(Vec::new()),
+            smoke: None,
+            part: Driven::<M>::boxed,
+            given: parameters::given::<M>,
             ports: port::ports::<M>,
             experiment: M::EXPERIMENT,
             terminals: &[],
@@ -71,6 +89,27 @@ impl Entry {
     #[must_use]
     pub const fn about(mut self, about: About) -> Self {
         self.about = about;
+        self
+    }
+
+    /// Gives it a picture; without one `model.png` shows a block.
+    #[must_use]
+    pub const fn icon(mut self, icon: Icon) -> Self {
+        self.icon = icon;
+        self
+    }
+
+    /// Puts parameter sets into its FMU; [`parameters::set`] writes one.
+    #[must_use]
+    pub const fn parameter_sets(mut self, sets: fn() -> Result<Vec<ParameterSet>>) -> Self {
+        self.sets = sets;
+        self
+    }
+
+    /// Puts an experiment with reference results into its FMU.
+    #[must_use]
+    pub const fn smoke(mut self, smoke: Smoke) -> Self {
+        self.smoke = Some(smoke);
         self
     }
 
@@ -107,17 +146,42 @@ impl Entry {
     }
 }
 
+/// A short drive that an importer can repeat to see that it runs the FMU as it was meant.
+#[derive(Clone, Copy)]
+pub struct Smoke {
+    /// One sentence.
+    pub description: &'static str,
+    /// Writes the inputs: CSV, column `time` [s], then one per input. Between two rows Reals lie on the
+    /// straight line, others stay.
+    pub inputs: fn() -> Result<String>,
+    /// Parameters with values other than their start values.
+    pub parameters: &'static [(&'static str, f64)],
+    /// Communication step [s].
+    pub step: f64,
+    /// The reference results have every `every`th communication point.
+    pub every: u32,
+}
+
 /// All models, in the order in which a signal passes through them.
 pub const MODELS: &[Entry] = &[
     Entry::of::<Plant>("dct-plant")
         .terminals(TERMINALS)
-        .about(about::PLANT),
+        .about(about::PLANT)
+        .icon(icon::PLANT)
+        .parameter_sets(parameters::presets::<Plant>)
+        .smoke(smoke::PLANT),
     Entry::of::<Observer>("dct-observer")
         .terminals(TERMINALS)
-        .about(about::OBSERVER),
+        .about(about::OBSERVER)
+        .icon(icon::OBSERVER)
+        .parameter_sets(parameters::presets::<Observer>)
+        .smoke(smoke::OBSERVER),
     Entry::of::<ClutchControl>("dct-clutch-control")
         .terminals(TERMINALS)
-        .about(about::CONTROL),
+        .about(about::CONTROL)
+        .icon(icon::CONTROL)
+        .parameter_sets(parameters::positions::<ClutchControl>)
+        .smoke(smoke::CONTROL),
 ];
 
 /// Name of the closed loop of all models.

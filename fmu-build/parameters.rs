@@ -2,12 +2,13 @@
 //! the models and read back into them.
 
 use crate::description::finite;
+use crate::drive::whole;
 use crate::library;
 use crate::xml::Element;
 use crate::{Error, Result};
 use dct_models::presets::{PRESETS, Parametrised, Preset};
 use dct_models::{ClutchControl, Observer, Plant};
-use fmi2_cosim::{Access, Unit, Variable};
+use fmi2_cosim::{Access, Model, Unit, Variable};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::path::PathBuf;
@@ -15,36 +16,57 @@ use std::path::PathBuf;
 const VALUES: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
 const COMMON: &str = "http://ssp-standard.org/SSP1/SystemStructureCommon";
 
+/// A parameter set: a file that tools apply to an FMU as it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ParameterSet {
+    /// Name, and that of its file.
+    pub name: String,
+    /// What it is, in a few words.
+    pub title: String,
+    /// The text of the file.
+    pub text: String,
+}
+
 /// Every parameter file of `examples/closed_loop/parameters` with its text.
-///
-/// The clutch control moves positions, so it has none for clutches that pressure moves.
 ///
 /// # Errors
 /// When a number is not finite.
 pub fn files() -> Result<Vec<(PathBuf, String)>> {
     let folder = library::workspace().join("examples/closed_loop/parameters");
-    let mut files = Vec::new();
-    for preset in &PRESETS {
-        let mut texts = vec![
-            ("plant", text::<Plant>(preset)?),
-            ("observer", text::<Observer>(preset)?),
-        ];
-        if preset
-            .params
-            .clutch
-            .iter()
-            .all(|one| one.piston_area == 0.0)
-        {
-            texts.push(("control", text::<ClutchControl>(preset)?));
-        }
-        for (component, text) in texts {
-            files.push((
-                folder.join(format!("{}_{component}.ssv", preset.name)),
-                text,
-            ));
-        }
-    }
-    Ok(files)
+    let components = [
+        ("plant", presets::<Plant>()?),
+        ("observer", presets::<Observer>()?),
+        ("control", positions::<ClutchControl>()?),
+    ];
+    let files = components.into_iter().flat_map(|(component, sets)| {
+        let folder = folder.clone();
+        let path = move |name| folder.join(format!("{name}_{component}.ssv"));
+        sets.into_iter().map(move |set| (path(set.name), set.text))
+    });
+    Ok(files.collect())
+}
+
+/// All presets for model `M`.
+pub(crate) fn presets<M: Parametrised>() -> Result<Vec<ParameterSet>> {
+    PRESETS.iter().map(of_preset::<M>).collect()
+}
+
+/// The presets whose clutches a position moves: a control that moves positions has no other.
+pub(crate) fn positions<M: Parametrised>() -> Result<Vec<ParameterSet>> {
+    let by_position = |preset: &&Preset| {
+        let clutches = preset.params.clutch.iter();
+        clutches.clone().all(|one| one.piston_area == 0.0)
+    };
+    let presets = PRESETS.iter().filter(by_position);
+    presets.map(of_preset::<M>).collect()
+}
+
+fn of_preset<M: Parametrised>(preset: &Preset) -> Result<ParameterSet> {
+    Ok(ParameterSet {
+        name: preset.name.into(),
+        title: preset.title.into(),
+        text: text::<M>(preset)?,
+    })
 }
 
 /// The parameter set of a preset for model `M`.
@@ -53,18 +75,51 @@ pub fn files() -> Result<Vec<(PathBuf, String)>> {
 /// When a number is not finite.
 pub fn text<M: Parametrised>(preset: &Preset) -> Result<String> {
     let mut model = M::of_preset(preset);
-    let rows = M::VARIABLES.iter().filter(|row| M::describes_vehicle(row));
-    let rows: Vec<_> = rows.collect();
-    let values = rows.iter().map(|row| parameter(row, &mut model));
+    set(preset.name, preset.title, &mut model, M::describes_vehicle)
+}
+
+/// The values that `model` has in the rows that `wanted` tells, as a parameter set.
+///
+/// # Errors
+/// When a number is not finite.
+pub fn set<M: Model>(
+    name: &str,
+    title: &str,
+    model: &mut M,
+    wanted: impl Fn(&Variable<M>) -> bool,
+) -> Result<String> {
+    let rows: Vec<_> = M::VARIABLES.iter().filter(|row| wanted(row)).collect();
+    let values = rows.iter().map(|row| parameter(row, model));
     let set = Element::new("ssv:ParameterSet")
         .with("xmlns:ssv", VALUES)
         .with("xmlns:ssc", COMMON)
         .with("version", "1.0")
-        .with("name", preset.name)
-        .with("description", preset.title)
+        .with("name", name)
+        .with("description", title)
         .holding([Element::new("ssv:Parameters").holding(values.collect::<Result<Vec<_>>>()?)])
         .holding([Element::new("ssv:Units").holding(units(&rows))]);
     Ok(set.document())
+}
+
+/// Names with values.
+pub(crate) type Values<'a> = &'a [(&'a str, f64)];
+
+/// A set of these parameters of `M` with these values.
+pub(crate) fn given<M: Model>(name: &str, values: Values<'_>) -> Result<String> {
+    let mut model = M::default();
+    for (name, value) in values {
+        let row = M::VARIABLES.iter().find(|row| row.name == *name);
+        let row = row.ok_or_else(|| refused(format!("{name} is no variable of {}", M::NAME)))?;
+        match row.access {
+            Access::Real(field) => *field(&mut model) = *value,
+            Access::Boolean(field) => *field(&mut model) = *value != 0.0,
+            Access::Integer(field) | Access::Enumeration(field, _) => {
+                *field(&mut model) = whole(*value);
+            }
+        }
+    }
+    let named = |row: &Variable<M>| values.iter().any(|(name, _)| *name == row.name);
+    set(name, "", &mut model, named)
 }
 
 fn parameter<M>(row: &Variable<M>, model: &mut M) -> Result<Element> {
@@ -125,7 +180,7 @@ pub fn read<M: Parametrised>(text: &str) -> Result<M> {
                 name = attribute(&tag, "name")?;
             }
             Event::Empty(tag) if is_value(&tag) => {
-                set(&mut model, &name, &attribute(&tag, "value")?)?
+                assign(&mut model, &name, &attribute(&tag, "value")?)?
             }
             _ => {}
         }
@@ -142,7 +197,7 @@ fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String> {
     value.ok_or_else(|| refused(format!("an element has no attribute {name}")))
 }
 
-fn set<M: Parametrised>(model: &mut M, name: &str, value: &str) -> Result<()> {
+fn assign<M: Parametrised>(model: &mut M, name: &str, value: &str) -> Result<()> {
     let row = M::VARIABLES.iter().find(|row| row.name == name);
     let row = row.ok_or_else(|| refused(format!("{name} is no variable of {}", M::NAME)))?;
     let read = match row.access {

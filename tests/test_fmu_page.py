@@ -62,7 +62,7 @@ def test_it_explains_the_model_and_links_only_to_what_is_there(model: str) -> No
     assert {f"#{name}" for name in sections} == {link for link in links if link.startswith("#")}
     files = {f"documentation/{link}" for link in links if not link.startswith("#")}
     assert files < members
-    assert len(files) == 2
+    assert len(files) == 3
 
 
 @every_model

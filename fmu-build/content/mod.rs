@@ -4,12 +4,13 @@ mod bom;
 mod date;
 mod dependencies;
 mod licenses;
+mod ls_ref;
 mod packages;
 
 pub(crate) use dependencies::MEMBER as DEPENDENCIES;
 
-use crate::Result;
 use crate::models::Entry;
+use crate::{Result, icon};
 
 /// Names in the archive with their contents.
 pub(crate) type Members = Vec<(String, Vec<u8>)>;
@@ -25,6 +26,8 @@ pub(crate) fn members(entry: &Entry) -> Result<Members> {
     if let Some(terminals) = entry.terminals_text() {
         members.push(text("terminalsAndIcons/terminalsAndIcons.xml", terminals));
     }
+    members.push((icon::MEMBER.into(), icon::png(entry.icon)?));
+    members.extend(ls_ref::members(entry)?);
     members.extend(licenses::members(entry.name, &linked)?);
     Ok(members)
 }

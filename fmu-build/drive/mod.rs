@@ -5,10 +5,12 @@
 //!                      ^── outputs of equal names ──┘      (of the last point: Jacobi)
 //! ```
 
+mod model;
 mod recorded;
 mod stimuli;
 mod wiring;
 
+pub(crate) use model::Driven;
 pub(crate) use recorded::{Calls, Recorded};
 pub(crate) use stimuli::Stimuli;
 
@@ -123,7 +125,7 @@ impl<'a> Loop<'a> {
     }
 
     /// Sets every input to what it is at a communication point.
-    fn exchange(&mut self, time: f64) -> Result<()> {
+    pub(crate) fn exchange(&mut self, time: f64) -> Result<()> {
         self.connect()?;
         self.give(time, &[Role::Input])
     }
@@ -152,11 +154,18 @@ impl<'a> Loop<'a> {
         Ok(())
     }
 
+    /// Names and places of a component's signals of a role.
+    pub(crate) fn signals(&self, at: usize, role: Role) -> Vec<(String, Place)> {
+        let signals = self.parts[at].signals().iter();
+        let found = signals.filter(|signal| signal.role == role);
+        found.map(|one| (one.name.clone(), one.place)).collect()
+    }
+
     /// Names of all outputs, each behind the name of its component when there are several.
     pub(crate) fn outputs(&self, names: &[String]) -> Vec<(String, usize, Place)> {
         let mut all = Vec::new();
-        for (at, part) in self.parts.iter().enumerate() {
-            for (place, name) in places(part.as_ref(), &[Role::Output]) {
+        for at in 0..self.parts.len() {
+            for (name, place) in self.signals(at, Role::Output) {
                 let name = match names {
                     [_] => name,
                     several => format!("{}.{name}", several[at]),
@@ -198,12 +207,6 @@ fn given<'a>(signals: &[&[Signal]], wires: &[Wire], stimuli: &'a Stimuli) -> Vec
     found
 }
 
-fn places(part: &dyn Part, roles: &[Role]) -> Vec<(Place, String)> {
-    let of_role = |signal: &&Signal| roles.contains(&signal.role);
-    let found = part.signals().iter().filter(of_role);
-    found.map(|one| (one.place, one.name.clone())).collect()
-}
-
 /// All outputs of the components `parts`, named `names`, as CSV; every `every`-th communication point.
 pub(crate) fn table<'a>(
     parts: Vec<Box<dyn Part + 'a>>,
@@ -240,7 +243,7 @@ pub(crate) fn whole(value: f64) -> i32 {
 }
 
 /// The shortest text that reads back as the same bits; whole numbers without a fraction.
-fn shown(kind: Kind, value: f64) -> String {
+pub(crate) fn shown(kind: Kind, value: f64) -> String {
     match kind {
         Kind::Real => format!("{value:?}"),
         Kind::Integer | Kind::Boolean => format!("{value:.0}"),

@@ -87,6 +87,7 @@ fn sections(entry: &Entry, sheet: &Sheet) -> Result<Vec<Section>> {
         section("locals", "Locals", variables("local")),
         section("types", "Types", tables::enumerations(sheet).html()),
         section("terminals", "Terminals", tables::terminals(entry).html()),
+        section("files", "Parameter sets and experiment", files(entry)?),
         section("changes", "Changes", text::changes(&change_log(entry)?)),
     ])
 }
@@ -108,6 +109,25 @@ fn points(sentences: &[&str]) -> String {
         items if items.is_empty() => items,
         items => format!("<ul>\n{items}</ul>\n"),
     }
+}
+
+/// What lies beside the library for those who try it.
+fn files(entry: &Entry) -> Result<String> {
+    let mut items: Vec<String> = Vec::new();
+    for set in (entry.sets)()? {
+        items.push(format!("`{}.ssv`: {}", set.name, set.title));
+    }
+    if let Some(smoke) = &entry.smoke {
+        items.push(format!("`smoke.exp`: {}", smoke.description));
+    }
+    if items.is_empty() {
+        return Ok(String::new());
+    }
+    let list = points(&items.iter().map(String::as_str).collect::<Vec<_>>());
+    Ok(format!(
+        "<p>In <code>extra/org.fmi-standard.fmi-ls-ref</code> of the FMU; how to use them: \
+         <a href=\"fmi-ls-ref.txt\">fmi-ls-ref.txt</a>.</p>\n{list}"
+    ))
 }
 
 /// `CHANGELOG.md` in the folder of the entry; empty when there is none.

@@ -1,0 +1,96 @@
+//! A model of this program as a component: what its FMU does, without the FMU.
+
+use super::{Kind, Part, Place, Role, Signal, whole};
+use crate::{Error, Result};
+use fmi2_cosim::{Access, Category, Causality, Instance, Log, Model};
+use std::fmt;
+
+/// An instance of `M` with its signals.
+pub(crate) struct Driven<M: Model> {
+    instance: Instance<M>,
+    signals: Vec<Signal>,
+}
+
+impl<M: Model> Driven<M> {
+    /// A fresh instance.
+    pub(crate) fn boxed() -> Box<dyn Part> {
+        let rows = (0_u32..).zip(M::VARIABLES);
+        let signals = rows.filter_map(|(reference, row)| {
+            let role = match row.causality {
+                Causality::Input => Role::Input,
+                Causality::Output => Role::Output,
+                Causality::Parameter => Role::Parameter,
+                Causality::Local => return None,
+            };
+            let kind = match row.access {
+                Access::Real(_) => Kind::Real,
+                Access::Integer(_) | Access::Enumeration(..) => Kind::Integer,
+                Access::Boolean(_) => Kind::Boolean,
+            };
+            let place = Place { kind, reference };
+            Some(Signal {
+                name: row.name.into(),
+                role,
+                place,
+            })
+        });
+        Box::new(Self {
+            instance: Instance::default(),
+            signals: signals.collect(),
+        })
+    }
+}
+
+/// What the model logs is for importers.
+fn silent<T>(
+    call: impl FnOnce(&mut Log<'_>) -> std::result::Result<T, fmi2_cosim::Error>,
+) -> Result<T> {
+    let mut nobody = |_: Category, _: fmt::Arguments<'_>| {};
+    call(&mut Log::new(&mut nobody)).map_err(Error::Model)
+}
+
+impl<M: Model> Part for Driven<M> {
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn set(&mut self, Place { kind, reference }: Place, value: f64) -> Result<()> {
+        let at = [reference];
+        silent(|_| match kind {
+            Kind::Real => self.instance.set(&at, [value].into_iter()),
+            Kind::Integer => self.instance.set(&at, [whole(value)].into_iter()),
+            Kind::Boolean => self.instance.set(&at, [value != 0.0].into_iter()),
+        })
+    }
+
+    fn get(&mut self, Place { kind, reference }: Place) -> Result<f64> {
+        let at = [reference];
+        let value = silent(|log| {
+            Ok(match kind {
+                Kind::Real => self.instance.get(&at, log)?.next(),
+                Kind::Integer => self.instance.get::<i32>(&at, log)?.next().map(f64::from),
+                Kind::Boolean => self.instance.get::<bool>(&at, log)?.next().map(f64::from),
+            })
+        })?;
+        Ok(value.unwrap_or(f64::NAN))
+    }
+
+    fn initialize(&mut self, time: f64) -> Result<()> {
+        silent(|_| {
+            self.instance.setup_experiment(time, None)?;
+            self.instance.enter_initialization()
+        })
+    }
+
+    fn start(&mut self) -> Result<()> {
+        silent(|log| self.instance.exit_initialization(log))
+    }
+
+    fn step(&mut self, time: f64, step: f64) -> Result<()> {
+        silent(|log| self.instance.step(time, step, log))
+    }
+
+    fn terminate(&mut self) -> Result<()> {
+        silent(|_| self.instance.terminate())
+    }
+}
