@@ -62,7 +62,7 @@ impl Gains {
         l_22: 0.1,
         l_c: [1360e6, 1360e6],
         p_2: 20.0,
-        p_3: 1.0 / 6500.0,
+        p_3: 1.0 / 5800.0,
     };
     /// For a step of 10 ms.
     pub const AT_100_HZ: Self = Self {

@@ -48,7 +48,7 @@ impl Gains {
     pub const AT_100_HZ: Self = Self {
         l_11: 24.0,
         l_22: 60.0,
-        l_c: [270e6, 270e6],
+        l_c: [400e6, 400e6],
     };
 
     /// These gains, given for 1 ms, at a step `h` [s]: see `scaled`.

@@ -56,7 +56,7 @@ fn check(method: Method, drive: &Drive, sigma: f64, limits: [f64; 3]) {
 fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
     let drive = scenarios::paper().drive(1e-3);
     check(Method::Paper, &drive, 0.0, [12.0, 15.0, 3.5]);
-    check(Method::Lyapunov, &drive, 0.0, [12.0, 15.0, 3.5]);
+    check(Method::Lyapunov, &drive, 0.0, [12.0, 15.0, 3.0]);
     check(Method::Energy, &drive, 0.0, [6.5, 6.5, 3.0]);
     check(Method::Energy, &drive, NOISE, [7.0, 7.0, 4.0]);
     check(Method::Kalman, &drive, 0.0, [3.0, 3.0, 1.5]);
@@ -66,7 +66,7 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
 #[test]
 fn methods_are_within_their_limits_on_the_paper_scenario_at_100_hz() {
     let drive = scenarios::paper().drive(1e-2);
-    check(Method::Paper, &drive, 0.0, [14.0, 15.0, 7.0]);
+    check(Method::Paper, &drive, 0.0, [14.0, 15.0, 5.0]);
     check(Method::Lyapunov, &drive, 0.0, [14.0, 15.0, 7.0]);
     check(Method::Energy, &drive, 0.0, [7.0, 8.0, 4.0]);
     check(Method::Kalman, &drive, 0.0, [4.0, 4.0, 2.0]);
