@@ -27,8 +27,8 @@ CYCLES = {PROBE: 1_000_000, "DctPlant": 10_000, "DctObserver": 10_000, "DctClutc
 LOADS = {PROBE: 5000, "DctPlant": 500, "DctObserver": 500, "DctClutchControl": 500}
 CASES = ("every_function", "without_logger", "threads", "untouched", "freed", "foreign",
          "called_back", "shared", "extremes", "corrupted", "importers")  # fmt: skip
-# Stack of the calling thread [KiB]. The plant builds its propagators on it: 48 KiB are enough.
-STACK = {PROBE: 32, "DctPlant": 64, "DctObserver": 32, "DctClutchControl": 32}
+# Stack of the calling thread [KiB].
+STACK = 32
 # Under valgrind: those that free, refuse and copy.
 CHECKED = ("every_function", "freed", "foreign", "called_back", "corrupted", "importers")
 
@@ -115,7 +115,7 @@ def test_log_messages_are_finished_sentences(model: str) -> None:
 
 @every_library
 def test_little_stack_is_enough(model: str) -> None:
-    _run(model, "small_stack", str(STACK[model]))
+    _run(model, "small_stack", str(STACK))
 
 
 def test_a_panic_is_fatal_and_silent() -> None:

@@ -6,6 +6,32 @@
 //! holds E = Ψ − 1, which doubles without cancellation: E(2t) = 2 E(t) + E(t)². Work integrals
 //! double alike, so energies are exact, not sampled: see [`Rung`].
 //!
+//! # Errors of a rung
+//!
+//! For torques that are ramps a rung has no error of method, at any step and any stiffness; what is left:
+//!
+//! - Series. The shortest rung, h/4^6, is halved until ‖A t‖ ≤ 0.05 in the larger of the row-sum and the
+//!   column-sum norm; terms are added down to 10⁻¹⁹ of the first one.
+//! - Round-off. Each doubling adds about one unit in the last place of E, and there are twelve of them plus
+//!   the halvings. E and not Ψ is doubled because Ψ of the slow modes is 1 in nearly all its digits: the
+//!   change of a speed over a tick would be lost in it. A rung agrees with four of the one below to 10⁻⁹
+//!   of a state of order 100, which the tests demand.
+//! - Losses. ∫ ψᵀ V ψ over the shortest rung is taken by Gauss' rule with three nodes, exact for
+//!   polynomials of degree 5: relative error below (‖A t‖)⁶/10⁵ ≈ 10⁻¹³. From there it doubles exactly.
+//!
+//! [`Plant::energy_residual`] shows what all of them come to over a run: tests demand less than 10⁻⁹ of the
+//! engine's work. Arithmetic is plain f64 in a fixed order, without fused operations, so that every
+//! platform gets the same bits.
+//!
+//! [`Plant::energy_residual`]: crate::plant::Plant::energy_residual
+//!
+//! # The ladder
+//!
+//! A level spans four of the level below. From an offset inside a step the longest block is taken that
+//! starts on a multiple of its own length and still fits, so a step without events is one product with
+//! the top rung, and a step that is cut at a tick needs at most three blocks of each level on the way down
+//! and three on the way up: some forty products with those that are given up, whatever the step.
+//!
 //! ```
 //! use dct_driveline::{Params, integrate::Propagators};
 //!
@@ -18,7 +44,7 @@ use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant_matrices::Systems;
 pub use crate::rung::{Augmented, Motion, Rung};
-use crate::rung::{Builder, active};
+use crate::rung_builder::{Builder, active};
 
 /// Levels of the ladder below a whole step: events are located to h/4^LADDER.
 pub const LADDER: usize = 6;
@@ -118,12 +144,13 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
         t *= 0.5;
         below += 1;
     }
-    let mut rung = Builder::base(systems, set, t);
+    let mut rung = Builder::ZERO;
+    rung.base(systems, set, t, norm * t);
     (0..below).for_each(|_| rung.double(active(set)));
     for (level, place) in rungs.iter_mut().enumerate() {
         let doublings = if level == 0 { 0 } else { DOUBLINGS };
         (0..doublings).for_each(|_| rung.double(active(set)));
-        rung.finish(place);
+        place.take(&rung);
     }
 }
 

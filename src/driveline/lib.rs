@@ -27,6 +27,7 @@ mod plant_tangent;
 mod presets;
 pub mod reduced;
 mod rung;
+mod rung_builder;
 mod rung_loss;
 mod shaft;
 

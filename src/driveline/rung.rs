@@ -10,29 +10,26 @@
 //! rows 14..18  ∫ τ ω dτ   of the same
 //! ```
 //!
-//! Doubling a span uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
+//! Doubling a span (`rung_builder.rs`) uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
 //! r(2t) = r(t) + r(t) Ψ(t), but for the moments, which also gain t times the angles of the second
 //! half. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
 //!
 //! A finished rung keeps the rows that every step needs together, those of the slips, which only a
 //! slipping clutch needs, apart, and the losses packed: see `rung_loss.rs`.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
-use crate::plant_matrices::{
-    AUGMENTED, C, D, E, O, SPEEDS, STATES, State, System, Systems, TORQUES, Torques, W,
-};
+use crate::plant_matrices::{AUGMENTED, C, D, STATES, State, TORQUES, Torques, W};
+use crate::rung_builder::Builder;
 use crate::rung_loss::Loss;
 
-/// Terms of the exponential series: with ‖A t‖ ≤ 0.05 the next one is 0.05^10 / 10! < 1e-19.
-const SERIES_TERMS: u32 = 9;
 /// First row of the angles.
-const ANGLE: usize = STATES;
+pub(crate) const ANGLE: usize = STATES;
 /// First row of the moments.
-const MOMENT: usize = ANGLE + TORQUES;
-const ROWS: usize = MOMENT + TORQUES;
+pub(crate) const MOMENT: usize = ANGLE + TORQUES;
+pub(crate) const ROWS: usize = MOMENT + TORQUES;
 /// First ramp among the columns.
-const RAMP: usize = STATES + TORQUES;
+pub(crate) const RAMP: usize = STATES + TORQUES;
 /// Rows of every step: states, angles of ω_e and ω_w, moments of ω_w and ω_e.
 const MAIN: usize = STATES + 4;
 /// Those rows among all of them, behind the states.
@@ -42,7 +39,7 @@ const SLIPS: [usize; 4] = [ANGLE + 1, ANGLE + 2, MOMENT + 1, MOMENT + 2];
 
 /// State, torques and their ramps, shape (18).
 pub type Augmented = SVector<f64, AUGMENTED>;
-type Columns<const N: usize> = [[f64; N]; AUGMENTED];
+pub(crate) type Columns<const N: usize> = [[f64; N]; AUGMENTED];
 
 /// Where a rung leads from z: change of the state, angles and moments of ω_e and ω_w.
 #[derive(Debug, Clone, Copy)]
@@ -93,6 +90,20 @@ impl Rung {
         slips: [[0.0; AUGMENTED]; 4],
         loss: Loss::ZERO,
     };
+
+    /// Becomes what was built.
+    pub(crate) fn take(&mut self, built: &Builder) {
+        self.t = built.t;
+        for (j, column) in built.columns.iter().enumerate() {
+            let (states, worked) = self.columns[j].split_at_mut(STATES);
+            states.copy_from_slice(&column[..STATES]);
+            worked.copy_from_slice(&WORKED.map(|row| column[row]));
+            for (to, row) in self.slips.iter_mut().zip(SLIPS) {
+                to[j] = column[row];
+            }
+        }
+        self.loss.pack(&built.loss);
+    }
 
     /// Motion from z; torques and ramps that are zero cost nothing.
     #[inline(always)]
@@ -187,202 +198,4 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let last = rest.iter().zip(&b[2 * pairs.len()..]).map(|(a, b)| a * b);
     lanes[0] + lanes[1] + last.sum::<f64>()
-}
-
-/// A rung while it is built: its columns, and the losses as a full matrix.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Builder {
-    t: f64,
-    columns: Columns<ROWS>,
-    loss: Columns<AUGMENTED>,
-}
-
-impl Builder {
-    /// A rung of a span [s] with ‖A t‖ ≤ 0.05, by series; losses by Gauss' rule of order 6.
-    #[inline(never)] // its stack is free again when the doublings need theirs
-    pub(crate) fn base(systems: &Systems, set: usize, t: f64) -> Self {
-        let (system, ratio) = (&systems.by_stuck[set & 3], systems.synchroniser_ratio);
-        let mut new = Self {
-            t,
-            columns: [[0.0; ROWS]; AUGMENTED],
-            loss: [[0.0; AUGMENTED]; AUGMENTED],
-        };
-        let nodes = gauss();
-        let mut at_nodes = nodes.map(|_| identity());
-        let mut term = first_term(system, t);
-        add_worked(&mut new.columns, &identity(), ratio, [t, 0.5 * t * t]);
-        for k in 1..=SERIES_TERMS {
-            let order = f64::from(k);
-            let integrals = [t / (order + 1.0), t * t / (order + 2.0)];
-            add_worked(&mut new.columns, &term, ratio, integrals);
-            for (column, term) in new.columns.iter_mut().zip(&term) {
-                (0..STATES).for_each(|i| column[i] += term[i]);
-            }
-            for ((node, _), at_node) in nodes.iter().zip(&mut at_nodes) {
-                let power = (1..k).fold(*node, |power, _| power * node);
-                at_node
-                    .iter_mut()
-                    .zip(&term)
-                    .for_each(|(to, term)| add(to, term, power));
-            }
-            term = next_term(system, &term, t, order + 1.0);
-        }
-        for ((_, weight), psi) in nodes.iter().zip(&at_nodes) {
-            add_loss(&mut new.loss, &systems.viscous, psi, weight * t);
-        }
-        new
-    }
-
-    /// Turns this rung into one of twice the span; `active`: columns that are not zero.
-    pub(crate) fn double(&mut self, active: &[usize]) {
-        let old = *self;
-        let states = transposed(&old.columns);
-        for &j in active {
-            let mut second = old.columns[j];
-            through(&mut second, &old.columns, &old.columns[j], j, old.t);
-            for q in 0..TORQUES {
-                second[MOMENT + q] += old.t * second[ANGLE + q];
-            }
-            add(&mut self.columns[j], &second, 1.0);
-            let mut loss = old.loss[j];
-            through(&mut loss, &old.loss, &old.columns[j], j, old.t);
-            let half = loss;
-            for (row, entry) in states.iter().zip(half) {
-                add(&mut loss, row, entry);
-            }
-            for q in 0..TORQUES {
-                loss[RAMP + q] += old.t * half[STATES + q];
-            }
-            add(&mut self.loss[j], &loss, 1.0);
-        }
-        self.t = 2.0 * old.t;
-    }
-
-    /// Writes the finished rung to its place.
-    pub(crate) fn finish(&self, rung: &mut Rung) {
-        rung.t = self.t;
-        for (j, column) in self.columns.iter().enumerate() {
-            let (states, worked) = rung.columns[j].split_at_mut(STATES);
-            states.copy_from_slice(&column[..STATES]);
-            worked.copy_from_slice(&WORKED.map(|row| column[row]));
-            for (to, row) in rung.slips.iter_mut().zip(SLIPS) {
-                to[j] = column[row];
-            }
-        }
-        rung.loss.pack(&self.loss);
-    }
-}
-
-/// Columns that are not zero with the clutches of `set` engaged: their torques do not count.
-pub(crate) const fn active(set: usize) -> &'static [usize] {
-    match set & 3 {
-        0 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17],
-        1 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 13, 14, 16, 17],
-        2 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 14, 15, 17],
-        _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13, 14, 17],
-    }
-}
-
-/// Adds to `sum` the column j of R (Ψ − 1), R given by its columns and Ψ − 1 by its own `change`.
-fn through<const N: usize>(
-    sum: &mut [f64; N],
-    columns: &Columns<N>,
-    change: &[f64; ROWS],
-    j: usize,
-    t: f64,
-) {
-    for (column, entry) in columns.iter().zip(&change[..STATES]) {
-        add(sum, column, *entry);
-    }
-    if j >= RAMP {
-        add(sum, &columns[j - TORQUES], t);
-    }
-}
-
-/// Rows of the state out of the columns.
-fn transposed(columns: &Columns<ROWS>) -> [[f64; AUGMENTED]; STATES] {
-    core::array::from_fn(|i| core::array::from_fn(|j| columns[j][i]))
-}
-
-fn identity() -> Columns<STATES> {
-    core::array::from_fn(|j| core::array::from_fn(|i| f64::from(u8::from(i == j))))
-}
-
-/// t (A B 0): the first term of Ψ − 1.
-fn first_term(system: &System, t: f64) -> Columns<STATES> {
-    core::array::from_fn(|j| match j {
-        0..STATES => system.a.column(j).into_owned().data.0[0].map(|a| a * t),
-        STATES..RAMP => system.b.column(j - STATES).into_owned().data.0[0].map(|b| b * t),
-        _ => [0.0; STATES],
-    })
-}
-
-/// A term of order k from the one before: A t / k times it; the ramps join at order 2.
-fn next_term(system: &System, term: &Columns<STATES>, t: f64, k: f64) -> Columns<STATES> {
-    let mut next = [[0.0; STATES]; AUGMENTED];
-    for (next, term) in next.iter_mut().zip(term) {
-        for (a, entry) in system.a.data.0.iter().zip(term) {
-            if *entry != 0.0 {
-                add(next, a, entry * t / k);
-            }
-        }
-    }
-    if k == 2.0 {
-        for q in 0..TORQUES {
-            next[RAMP + q] = term[STATES + q].map(|entry| entry * t / k);
-        }
-    }
-    next
-}
-
-/// Adds the worked speeds of a term to angles and moments, with the factors of both.
-fn add_worked(
-    columns: &mut Columns<ROWS>,
-    term: &Columns<STATES>,
-    synchroniser_ratio: [f64; 2],
-    factor: [f64; 2],
-) {
-    for (column, x) in columns.iter_mut().zip(term) {
-        let [one, two] = [0, 1].map(|i| match synchroniser_ratio[i] {
-            0.0 => x[D] - x[C + i],
-            g => x[C + i] - g * x[O],
-        });
-        let worked = [x[E], one, two, x[W]];
-        for (q, speed) in worked.into_iter().enumerate() {
-            column[ANGLE + q] += factor[0] * speed;
-            column[MOMENT + q] += factor[1] * speed;
-        }
-    }
-}
-
-/// Adds `weight` ψᵀ V ψ, V the viscous power of the speeds.
-fn add_loss(
-    loss: &mut Columns<AUGMENTED>,
-    viscous: &SMatrix<f64, STATES, STATES>,
-    psi: &Columns<STATES>,
-    weight: f64,
-) {
-    for (loss, column) in loss.iter_mut().zip(psi) {
-        let mut power = [0.0; STATES];
-        for (row, entry) in viscous.data.0.iter().zip(&column[..SPEEDS]) {
-            add(&mut power, row, entry * weight);
-        }
-        for (loss, other) in loss.iter_mut().zip(psi) {
-            *loss += other[..SPEEDS]
-                .iter()
-                .zip(&power)
-                .map(|(a, b)| a * b)
-                .sum::<f64>();
-        }
-    }
-}
-
-/// Nodes and weights of Gauss' three-point rule on [0, 1].
-fn gauss() -> [(f64, f64); 3] {
-    let reach = nalgebra::ComplexField::sqrt(0.6_f64);
-    [
-        (0.5 * (1.0 - reach), 5.0 / 18.0),
-        (0.5, 8.0 / 18.0),
-        (0.5 * (1.0 + reach), 5.0 / 18.0),
-    ]
 }
