@@ -92,6 +92,7 @@ def memory(bench: Bench) -> list[Gate]:
     size = bench.library.stat().st_size / 1024
     return [
         Gate("heap calls in exchanges", heap["exchanges"], 0, "calls"),
+        Gate("heap calls in a first stop", heap["brake"], 0, "calls"),
         Gate("heap calls in new step sizes", heap["new_steps"], 0, "calls"),
         Gate("heap of an instance", one / 1024, 1.0, "KiB"),
         Gate("heap of a parameter set", shared / 1024, 128.0, "KiB",

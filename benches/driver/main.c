@@ -76,13 +76,38 @@ static void count(const Inputs *in, const Library *l) {
         printf("%.17g%c", y[k], k + 1 < PORTS ? ' ' : '\n');
 }
 
-/* Heap calls of a run, then of steps of sizes that are new to the instance. */
+/* Brakes to a standstill, holds and lets go, each for the first time; returns the time after it. */
+static double brake_and_release(const Inputs *in, const Library *l, fmi2Component c, double t) {
+    enum { BRAKE = 4, WHEEL = 3, MOST = 60000 };
+    double y[PORTS] = {0}, brake = 3000.0, push = 400.0;
+    int held = 0;
+    l->set_real(c, l->set + BRAKE, 1, &brake);
+    for (int k = 0; k < MOST && held < 100; k++, t += in->h) {
+        if (l->do_step(c, t, in->h, fmi2True) | l->get_real(c, l->get, PORTS, y))
+            fail("a step with the brake failed", l->path);
+        held += y[WHEEL] == 0.0;
+    }
+    brake = 0.0;
+    l->set_real(c, l->set + BRAKE, 1, &brake);
+    l->set_real(c, l->set, 1, &push);
+    for (int k = 0; k < 1000; k++, t += in->h)
+        if (l->do_step(c, t, in->h, fmi2True) | l->get_real(c, l->get, PORTS, y))
+            fail("a step after the brake failed", l->path);
+    if (!held)
+        fail("the brake never held the wheels", l->path);
+    return t;
+}
+
+/* Heap calls of a run, of a first stop by the brake, of steps of sizes that are new to the instance. */
 static void count_heap_calls(const Inputs *in, const Library *l, fmi2Component c) {
     static const double NEW_STEPS[] = {2e-3, 5e-3, 1e-4, 1e-2, 3e-4, 7e-3};
     double y[PORTS], t = in->steps * in->h;
     long before = heap.calls;
     run_exchanges(l, c, in, y);
     printf("exchanges %ld\n", heap.calls - before);
+    before = heap.calls;
+    t = brake_and_release(in, l, c, t);
+    printf("brake %ld\n", heap.calls - before);
     before = heap.calls;
     for (size_t k = 0; k < sizeof NEW_STEPS / sizeof *NEW_STEPS; t += NEW_STEPS[k++])
         if (l->do_step(c, t, NEW_STEPS[k], fmi2True))

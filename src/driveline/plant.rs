@@ -5,6 +5,36 @@
 //! each block of time that meets (11) at both ends: second order; so does friction that varies with slip.
 //! Lock-up, break-away, change of the sign of the slip and opening are located to h/4^6 and never smeared.
 //!
+//! # Order and sources of error
+//!
+//! With h the communication step, or the length of a block where a step is cut:
+//!
+//! | source | error over a run |
+//! | --- | --- |
+//! | linear driveline, torques that are held or ramps | none but round-off: see [`integrate`] |
+//! | T_v of (11), nonlinear in ω_w: a ramp that meets it at both ends of a block | h², through T_v'' |
+//! | friction over slip: a ramp as well | h² between the kinks of its curve |
+//! | force map with a moving actuator: straight to the force at the end of the step | h² between its points |
+//! | instants of events | at most h/4096, always late: 0.24 µs at 1 ms |
+//! | inputs held over a step while they change | h, not of this method: `InputRate` has their slopes |
+//!
+//! Newton's method finds the ramp of the load; it stops when the correction of ω_w is below 10⁻⁸ rad/s,
+//! whose square is what is left. Tests hold the result against an independent reference: speeds to 10⁻³ rad/s,
+//! torques to 10⁻² N·m away from ±2 ms of an event, events to 0.1 ms, and an order of 1.9 to 2.1.
+//!
+//! # Events
+//!
+//! Guards (`plant_block.rs`) end a block; a block that may hide an event is cut until a tick holds it.
+//! What an event finds is at most a tick old: a slip of one tick of relative acceleration, removed by an
+//! impulse that keeps momentum; a torque above its capacity by one tick of its rate. After the event
+//! [`resolve`] takes the modes that are consistent. A step holds up to 32
+//! events; if there are more its rest is one smooth piece, which bounds the work of a step.
+//!
+//! An ordinary step asks none of this: `plant_quiet.rs` takes it at the top rung where both ends of each
+//! guard are clear, and gives the same numbers to round-off.
+//!
+//! [`integrate`]: crate::integrate
+//!
 //! ```
 //! use dct_driveline::{Params, integrate::Propagators, plant::{Input, InputRate, Plant}};
 //!
