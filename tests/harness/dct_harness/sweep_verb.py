@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-import json
-import shutil
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -16,13 +14,12 @@ import numpy as np
 
 from . import progress, sampling, system
 from .arguments import Verbs, add_loudness, say, verb
-from .errors import ConfigError, HarnessError, InterruptedRunError
-from .kpi.scopes import SCENARIO
 from .kpi.table import aligned, number
 from .results import write_text
 from .run_verb import ENGINES, KPI_FAILS
+from .sweep_dask import cluster
 from .sweep_store import Store, digest
-from .sweep_workers import Job, parallel, serial
+from .sweep_workers import Job, parallel, run_one, serial
 
 SWEEP_CSV = "sweep.csv"
 EXAMPLES = """sweep loop.toml --vary 'plant.vehicle.mass=uniform(1300,1900)' --runs 50 --seed 7
@@ -47,6 +44,8 @@ def add(verbs: Verbs) -> None:
     how = "how numbers are drawn (random)"
     parser.add_argument("--sampling", choices=sampling.METHODS, default="random", help=how)
     parser.add_argument("--jobs", type=int, default=1, help="processes at once (1)")
+    there = "run on the workers of a dask scheduler; 'local': --jobs workers of this machine"
+    parser.add_argument("--dask", metavar="ADDRESS", help=there)
     parser.add_argument("--engine", choices=tuple(ENGINES), default="fmpy", help="as for run")
     going = "go on with a sweep in OUT that was cut: finished runs are kept"
     parser.add_argument("--resume", action="store_true", help=going)
@@ -83,7 +82,10 @@ def sweep(args: argparse.Namespace) -> int:
 
 def _rows(args: argparse.Namespace, jobs: list[Job]) -> Iterator[dict[str, Any]]:
     """Yield the row of each run as it ends."""
-    one = partial(_one, args.system, args.fmu_dir, args.out, args.engine, args.keep)
+    if args.dask:
+        where = (args.system, args.fmu_dir, args.engine, args.dask, args.jobs)
+        return cluster(jobs, *where)
+    one = partial(run_one, args.system, args.fmu_dir, args.out, args.engine, args.keep)
     if args.jobs == 1 or len(jobs) < 2:
         return serial(jobs, one)
     return parallel(jobs, one, min(args.jobs, len(jobs)))
@@ -121,35 +123,6 @@ def _say(
     say(args, "\n".join(lines).lstrip("\n"),
         {"file": str(path), "runs": len(rows), "missed": missed, "verdict": verdict,
          "spread": told})  # fmt: skip
-
-
-def _one(
-    file: Path, fmu_dir: Path, folder: Path, engine: str, keep: bool, job: Job
-) -> dict[str, Any]:
-    """Run once; returns the drawn values, the verdict and the KPIs of the whole scenario.
-
-    A run that fails does not end the sweep: its verdict is its exit code's name.
-    """
-    from .cli import parser
-
-    number, chosen = job
-    out = folder / f"run-{number:04d}"
-    command = ["run", str(file), "--fmu-dir", str(fmu_dir), "--out", str(out), "-q"]
-    command += ["--engine", engine]
-    command += [word for n, v in chosen.items() for word in ("--set", f"{n}={json.dumps(v)}")]
-    words = parser().parse_args(command)
-    try:
-        words.action(words)
-    except (ConfigError, InterruptedRunError):
-        raise
-    except HarnessError as error:
-        return {"run": number, **chosen, "verdict": f"exit {error.exit_code}"}
-    kpis = json.loads((out / "kpis.json").read_text(encoding="utf-8"))
-    if not keep:
-        shutil.rmtree(out)
-    whole = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
-             for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
-    return {"run": number, **chosen, "verdict": kpis["verdict"], **whole}
 
 
 def _write(path: Path, rows: list[dict[str, Any]]) -> None:

@@ -6,13 +6,19 @@ new one, then recorded as lost; the other runs go on.
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
+from pathlib import Path
 from typing import Any
+
+from .errors import ConfigError, HarnessError, InterruptedRunError
+from .kpi.scopes import SCENARIO
 
 Job = tuple[int, dict[str, Any]]  # run number, chosen values
 Row = dict[str, Any]
@@ -79,3 +85,32 @@ def _quiet() -> None:
     """Leave Ctrl-C to the process that collects the rows; end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ["OMP_NUM_THREADS"] = "1"
+
+
+def run_one(
+    file: Path, fmu_dir: Path, folder: Path, engine: str, keep: bool, job: Job
+) -> dict[str, Any]:
+    """Run once; returns the drawn values, the verdict and the KPIs of the whole scenario.
+
+    A run that fails does not end the sweep: its verdict is its exit code's name.
+    """
+    from .cli import parser
+
+    number, chosen = job
+    out = folder / f"run-{number:04d}"
+    command = ["run", str(file), "--fmu-dir", str(fmu_dir), "--out", str(out), "-q"]
+    command += ["--engine", engine]
+    command += [word for n, v in chosen.items() for word in ("--set", f"{n}={json.dumps(v)}")]
+    words = parser().parse_args(command)
+    try:
+        words.action(words)
+    except (ConfigError, InterruptedRunError):
+        raise
+    except HarnessError as error:
+        return {"run": number, **chosen, "verdict": f"exit {error.exit_code}"}
+    kpis = json.loads((out / "kpis.json").read_text(encoding="utf-8"))
+    if not keep:
+        shutil.rmtree(out)
+    whole = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
+             for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
+    return {"run": number, **chosen, "verdict": kpis["verdict"], **whole}

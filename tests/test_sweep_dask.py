@@ -1,0 +1,63 @@
+"""`dct-harness sweep --dask`: the same rows from a cluster, also when a worker dies."""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from dct_harness.errors import ConfigError
+from dct_harness.sweep_dask import cluster
+from dct_harness.sweep_workers import Job, run_one
+from distributed import LocalCluster
+from harness_fixture.lag_fmu import harness, write_system
+
+VARY = ("--runs", "4", "--vary", "plant.failAt=uniform(0.5,1.5)")
+RUNS = 12
+
+
+def rows(folder: Path, lag_dir: Path, name: str, *options: str) -> list[dict[str, str]]:
+    """Return the rows of a sweep."""
+    given = ("--fmu-dir", lag_dir, "--out", folder / name, *VARY, *options)
+    done = harness("sweep", folder / "s.toml", *given, folder=folder)
+    assert done.returncode == 1, done.stderr
+    with (folder / name / "sweep.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_cluster_of_this_machine_gives_the_same_rows(tmp_path: Path, lag_dir: Path) -> None:
+    write_system(tmp_path)
+    here = rows(tmp_path, lag_dir, "here")
+    there = rows(tmp_path, lag_dir, "there", "--dask", "local", "--jobs", "2")
+    assert there == here
+    assert {row["verdict"] for row in here} == {"exit 4", "not judged"}
+
+
+def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, lag_dir: Path) -> None:
+    """By address, as a cluster elsewhere; the runs of the dead worker are taken by the other."""
+    system = write_system(tmp_path, "0.3")
+    jobs: list[Job] = [(k, {"plant.tau": 1.0 + k, "plant.delay": 0.001}) for k in range(RUNS)]
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as place:
+        found = []
+        for row in cluster(jobs, system, lag_dir, "fmpy", place.scheduler_address, 1):
+            if not found:
+                os.kill(place.workers[0].pid, signal.SIGKILL)
+            found.append(row)
+    assert sorted(row["run"] for row in found) == list(range(RUNS))
+    assert {row["verdict"] for row in found} == {"not judged"}
+    alone = run_one(system, lag_dir, tmp_path / "out", "fmpy", False, jobs[3])
+    assert next(row for row in found if row["run"] == 3) == alone
+
+
+def test_an_address_without_a_scheduler_is_a_sentence(
+    tmp_path: Path, lag_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dct_harness.sweep_dask.GRACE", "1 s")
+    system = write_system(tmp_path)
+    started = time.monotonic()
+    with pytest.raises(ConfigError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler there"):
+        list(cluster([(1, {})], system, lag_dir, "fmpy", "tcp://127.0.0.1:9", 1))
+    assert time.monotonic() - started < 20
