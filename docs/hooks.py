@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import inspect
 import re
+import subprocess
 from pathlib import Path
 
 from dct_harness import cli
@@ -19,6 +21,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the generated pages."""
     pages = {
         "reference/cli.md": command_line(),
+        "reference/cargo.md": cargo(),
         "reference/kpis.md": registry.markdown(),
         "reference/variables.md": _text("modelDescription/VARIABLES.md"),
         "paper.md": _text("PAPER.md"),
@@ -36,13 +39,38 @@ def _text(name: str) -> str:
 
 
 def command_line() -> str:
-    """Return the help of `dct-harness` and of each verb."""
+    """Return what each verb of `dct-harness` does, and its help."""
     parser = cli.parser()
     choices = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction)).choices
-    parts = ["# Command line", _block(parser.format_help())]
+    parts = ["# dct-harness", _block(parser.format_help())]
     for name, verb in choices.items():
-        parts += [f"## {name}", _block(verb.format_help())]
+        action = inspect.getdoc(verb.get_default("action")) or ""
+        parts += [f"## {name}", _prose(action), _block(verb.format_help())]
     return "\n\n".join(parts) + "\n"
+
+
+def _prose(text: str) -> str:
+    """Return a docstring's sentences; its numpy-style sections stay in the code."""
+    return text.partition("\nRaises\n")[0].partition("\nParameters\n")[0].strip()
+
+
+def cargo() -> str:
+    """Return the help of `cargo xtask` and of every command of `cargo fmu`."""
+    overview = _help("fmu", "--help")
+    commands = re.findall(r"^  (\w+) {2,}", overview.partition("Options:")[0], re.MULTILINE)
+    parts = ["# cargo fmu, cargo xtask", "## cargo xtask", _block(_help("xtask", "--help"))]
+    parts += ["## cargo fmu", _block(overview)]
+    for name in commands:
+        if name != "help":
+            parts += [f"## cargo fmu {name}", _block(_help("fmu", name, "--help"))]
+    return "\n\n".join(parts) + "\n"
+
+
+def _help(*words: str) -> str:
+    done = subprocess.run(
+        ["cargo", "-q", *words], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return done.stdout.replace("Usage: fmu-build", "Usage: cargo fmu")
 
 
 def _block(text: str) -> str:

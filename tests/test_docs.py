@@ -16,7 +16,7 @@ from dct_harness.kpi import KPIS
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs" / "pages"
 RESULTS = ROOT / "target" / "docs-run"  # where every page puts them
-BLOCK = re.compile(r"^```sh\n(.*?)^```", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(sh|python)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FOREIGN = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="https?://([^"/]+)')
 
 
@@ -54,6 +54,8 @@ def test_generated_pages_hold_every_verb_kpi_and_table(site: Path) -> None:
     assert page("reference/cli.html").count("usage: dct-harness") == len(verbs) + 1
     assert all(f"<code>{k.key}</code>" in page("reference/kpis.html") for k in KPIS)
     assert "driveShaft.torque" in page("reference/variables.html")
+    for words in ("cargo fmu replay [OPTIONS]", "cargo fmu merge [OPTIONS]", "platforms"):
+        assert words in page("reference/cargo.html")
     assert "Deviation" in page("paper.html") or "deviation" in page("paper.html")
 
 
@@ -61,13 +63,16 @@ def test_generated_pages_hold_every_verb_kpi_and_table(site: Path) -> None:
     str(p.relative_to(PAGES)) for p in PAGES.rglob("*.md") if BLOCK.search(p.read_text("utf-8"))
 ))  # fmt: skip
 def test_commands_of_a_page_work_in_their_order(name: str) -> None:
+    """Shell commands together, so that variables last; a Python program by itself."""
     shutil.rmtree(RESULTS, ignore_errors=True)  # of an earlier test: the reader has none either
-    commands = "".join(BLOCK.findall((PAGES / name).read_text(encoding="utf-8")))
-    done = subprocess.run(
-        ["bash", "-euc", commands], cwd=ROOT, env=environment(), capture_output=True, text=True,
-        check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
+    blocks = BLOCK.findall((PAGES / name).read_text(encoding="utf-8"))
+    shell = "".join(text for language, text in blocks if language == "sh")
+    programs = [[sys.executable, "-c", text] for language, text in blocks if language == "python"]
+    for command in (["bash", "-euc", shell], *programs):
+        done = subprocess.run(
+            command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_every_example_of_the_help_names_verbs_and_options_that_exist(
@@ -76,7 +81,12 @@ def test_every_example_of_the_help_names_verbs_and_options_that_exist(
     examples = []
     for module in cli.VERBS:
         with pytest.raises(SystemExit):
-            cli.main([module.__name__.rpartition(".")[2].removesuffix("_verb"), "--help"])
+            cli.main(
+                [
+                    module.__name__.rpartition(".")[2].removesuffix("_verb").replace("_", "-"),
+                    "--help",
+                ]
+            )
         examples += re.findall(r"^  dct-harness (.*)$", capsys.readouterr().out, re.MULTILINE)
     assert len(examples) >= 2 * len(cli.VERBS) - 4
     for example in examples:

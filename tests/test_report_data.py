@@ -10,6 +10,7 @@ import csv
 import importlib.util
 import itertools
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -357,6 +358,12 @@ def test_what_is_learnt_is_drawn_with_its_band_and_what_there_is_to_learn(tmp_pa
     assert [t["role"] for t in panel["traces"]] == ["band", "band", "truth", "observer"]
     assert calibration.injected(view, "observer", "inertiaError") == pytest.approx(-0.2)
     assert calibration.injected(view, "observer", "torqueScale") is None
+
+
+def test_everything_that_the_observer_learns_has_a_panel() -> None:
+    text = (ROOT / "modelDescription/DctObserver.xml").read_text(encoding="utf-8")
+    learnt = set(re.findall(r'name="calibration\.(\w+)Deviation"', text))
+    assert learnt == {key for key, *_ in calibration.LEARNT}
 
 
 @pytest.mark.parametrize(("deviation", "places"), [(0.4, 2), (12.0, 0), (0.016, 3), (0.0, 0)])
