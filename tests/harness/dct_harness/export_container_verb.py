@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from . import selection
-from .arguments import Verbs, verb
+from .arguments import Verbs, add_loudness, say, verb
 from .errors import ConfigError, FmuInvalidError
 from .resolved import Resolved
 from .ssd_xml import text
@@ -26,6 +26,7 @@ def add(verbs: Verbs) -> None:
     parser = verb(verbs, "export-container", export, what, EXAMPLES)
     selection.add_options(parser)
     parser.add_argument("--out", type=Path, help="file to write (target/NAME.fmu)")
+    add_loudness(parser, "file and components")
 
 
 def export(args: argparse.Namespace) -> int:
@@ -38,7 +39,8 @@ def export(args: argparse.Namespace) -> int:
     finally:
         if package is not None:
             package.folder.cleanup()
-    print(f"{out}: {', '.join(paths)} in one FMU, {model.coupling}, step {model.step:g} s")
+    say(args, f"{out}: {', '.join(paths)} in one FMU, {model.coupling}, step {model.step:g} s",
+        {"file": str(out), "components": list(paths)})  # fmt: skip
     return 0
 
 
