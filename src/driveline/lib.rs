@@ -30,6 +30,7 @@ mod rung;
 mod rung_builder;
 mod rung_loss;
 mod shaft;
+pub mod thermal;
 
 pub use clutch::ForceMap;
 pub use params::Params;

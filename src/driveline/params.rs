@@ -2,6 +2,7 @@
 
 use crate::ForceMap;
 use crate::friction::FrictionCurve;
+use crate::thermal::Thermal;
 
 /// Number of gears a shaft can carry.
 pub const GEARS_PER_SHAFT: usize = 4;
@@ -59,6 +60,10 @@ pub struct ClutchParams {
     pub mu_s: f64,
     /// φ(|slip|): what becomes of μ_k while the clutch slips.
     pub curve: FrictionCurve,
+    /// Heat capacity, cooling, and what the temperature makes of μ_k and μ_s.
+    pub thermal: Thermal,
+    /// k: specific wear [m³/J], volume worn off per friction energy.
+    pub specific_wear: f64,
     /// r_c·N: effective torque radius times number of friction surfaces [m].
     pub r_c_n: f64,
     /// Actuator position [m] to normal force [N].
@@ -159,6 +164,8 @@ impl Params {
                 mu_k: 0.26,
                 mu_s: 0.30,
                 curve: FrictionCurve::CONSTANT,
+                thermal: Thermal::OFF,
+                specific_wear: 0.0,
                 r_c_n: 0.095,
                 map: ForceMap::CLUTCH_1,
                 piston_area: 0.0,
@@ -168,6 +175,8 @@ impl Params {
                 mu_k: 0.22,
                 mu_s: 0.25,
                 curve: FrictionCurve::CONSTANT,
+                thermal: Thermal::OFF,
+                specific_wear: 0.0,
                 r_c_n: 0.095,
                 map: ForceMap::CLUTCH_2,
                 piston_area: 0.0,

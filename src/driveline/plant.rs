@@ -58,6 +58,7 @@ use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip
 use crate::plant_modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
 use crate::shaft::Grade;
+use crate::thermal::Thermal;
 
 /// Events one step may hold; beyond them its rest is one smooth piece.
 const MAX_EVENTS: u32 = 32;
@@ -78,6 +79,8 @@ pub struct Plant {
     pub gear: [i32; 2],
     /// Modes of the synchronisers, shape (2): sgn(ω_ci − g_i ω_o) while a gear comes in, otherwise open.
     pub synchroniser: [Mode; 2],
+    /// Temperatures of the clutches [K], shape (2).
+    pub temperature: [f64; 2],
     /// Work since the start.
     pub work: Work,
     /// Energy stored at the start [J].
@@ -94,6 +97,7 @@ impl Plant {
         brake: Mode::Open,
         gear: [1, 2],
         synchroniser: [Mode::Open; 2],
+        temperature: [Thermal::OFF.ambient; 2],
         work: Work {
             engine: 0.0,
             friction: [0.0; 2],
@@ -124,12 +128,13 @@ impl Plant {
         let mut plant = Self {
             x,
             gear: input.gear,
+            temperature: [0, 1].map(|i| p.clutch[i].thermal.ambient),
             stored_at_start: systems.stored_energy(&x),
             grade: Grade::LEVEL.at(input.phi),
             ..Self::AT_REST
         };
         let mut place = None;
-        let p = p.with_static_friction(&mut place);
+        let p = p.with_static_friction(&mut place, plant.temperature);
         let (held, none) = (InputRate::default(), Event::default());
         plant.resolve_brake(p, input, &held, &none);
         plant.resolve(p, systems, input, &held, &none);
@@ -172,7 +177,7 @@ impl Plant {
             return;
         }
         let (curves, mut place) = (p.friction_varies(), None);
-        let p = p.with_static_friction(&mut place);
+        let p = p.with_static_friction(&mut place, self.temperature);
         let (mut now, mut rate) = (input.after(rate, 0.0), *rate);
         let (mut done, mut piece, mut events) = (0, 0, 0);
         let mut cap = LADDER;
@@ -203,7 +208,7 @@ impl Plant {
                 cap = level - 1;
                 continue;
             }
-            self.accept(&propagators.systems, rung, &block);
+            self.accept(p, &propagators.systems, rung, &block);
             (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
             if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
@@ -283,6 +288,8 @@ impl Plant {
             friction_power: [t_c[0] * slip[0], t_c[1] * slip[1]],
             friction_energy: self.work.friction,
             synchronising: systems.coupling.synchronising,
+            temperature: self.temperature,
+            wear: [0, 1].map(|i| p.clutch[i].specific_wear * self.work.friction[i]),
             brake_power: self.brake_power(input.t_brake),
             brake_energy: self.work.brake,
             synchroniser_energy: self.work.synchroniser,
@@ -376,12 +383,16 @@ impl Plant {
     }
 
     /// Moves to the end of a block and books its work.
-    fn accept(&mut self, systems: &Systems, rung: &Rung, block: &Block) {
+    fn accept(&mut self, p: &Params, systems: &Systems, rung: &Rung, block: &Block) {
+        let before = self.work.friction;
         self.book(rung, &block.z, &rung.work(&block.z, &block.motion));
         if self.brake.direction() != 0.0 {
             let lost = self.brake.direction() * block.brake_work();
             self.work.load -= lost;
             self.work.brake += lost;
+        }
+        if p.friction_varies() {
+            self.warm(p, before, rung.t);
         }
         self.x = block.x_end;
         self.hold_ratios(systems.rigid_ratio);

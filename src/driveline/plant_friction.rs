@@ -1,7 +1,7 @@
-//! Friction that varies: a block of motion whose friction torques follow the slip.
+//! Friction that varies: a block of motion whose friction torques follow slip and temperature.
 //!
 //! Over a block the friction torque of a slipping clutch is a ramp, like the load. The ramps are those
-//! that meet μ_k φ(|slip|) F_n r_c N and (11) at both ends of the block, found together by Newton's method
+//! that meet μ_k φ(|slip|) θ(T) F_n r_c N, T as the friction power at the start makes it, and (11) at both ends of the block, found together by Newton's method
 //! on the exact motion of the rung: second order in the block, as slip and friction bend within it by
 //! the square of its length. Blocks are a quarter of the communication step at most, and one that is long
 //! beside the time in which friction answers to slip is refused: the ladder takes a shorter one.
@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::Params;
 use crate::integrate::Rung;
+use crate::params::ClutchParams;
 use crate::plant::Plant;
 use crate::plant_block::Block;
 use crate::plant_matrices::{STATES, TORQUES, slip};
@@ -29,28 +30,45 @@ const FIRST: usize = 1;
 impl Params {
     /// Whether the friction of a slipping clutch is anything but μ_k.
     pub(crate) const fn friction_varies(&self) -> bool {
-        self.clutch[0].curve.varies() || self.clutch[1].curve.varies()
+        self.clutch[0].varies() || self.clutch[1].varies()
     }
 
-    /// These parameters; where friction varies, with a static friction that is not below the friction at
-    /// slip 0: a clutch that breaks away must not be held at once by more than what held it.
-    pub(crate) fn with_static_friction<'a>(&'a self, place: &'a mut Option<Self>) -> &'a Self {
+    /// These parameters; where friction varies, with a static friction of the present temperature that is
+    /// not below the friction at slip 0: a clutch that breaks away must not be held at once by more than
+    /// what held it. An engaged clutch cools slowly, so its static friction is held over a step.
+    ///
+    /// `temperature`: of both clutches [K], shape (2).
+    pub(crate) fn with_static_friction<'a>(
+        &'a self,
+        place: &'a mut Option<Self>,
+        temperature: [f64; 2],
+    ) -> &'a Self {
         if !self.friction_varies() {
             return self;
         }
         let new = place.insert(*self);
-        for clutch in &mut new.clutch {
-            clutch.mu_s = clutch.mu_s.max(clutch.mu_k * clutch.curve.at(0.0).0);
+        for (clutch, temperature) in new.clutch.iter_mut().zip(temperature) {
+            let least = clutch.mu_k * clutch.curve.at(0.0).0;
+            clutch.mu_s = clutch.mu_s.max(least) * clutch.thermal.at(temperature).0;
         }
         new
     }
 }
 
+impl ClutchParams {
+    const fn varies(&self) -> bool {
+        self.curve.varies() || self.thermal.is_on()
+    }
+}
+
 impl Plant {
-    /// φ of both clutches at their slip [1], shape (2).
+    /// φ θ of both clutches at their slip and temperature [1], shape (2).
     pub(crate) fn friction_factor(&self, p: &Params) -> [f64; 2] {
         let slip = slip(&self.x);
-        [0, 1].map(|i| p.clutch[i].curve.at(slip[i].abs()).0)
+        [0, 1].map(|i| {
+            let (clutch, temperature) = (&p.clutch[i], self.temperature[i]);
+            clutch.curve.at(slip[i].abs()).0 * clutch.thermal.at(temperature).0
+        })
     }
 
     /// Friction torque [N·m] of clutch `i` at a slip, and its slope by it [N·m·s/rad]; that of the
@@ -63,11 +81,53 @@ impl Plant {
         }
         let (direction, clutch) = (self.modes[i].direction(), &p.clutch[i]);
         let (factor, slope) = clutch.curve.at(direction * slip);
-        let capacity = clutch.mu_k * force * clutch.r_c_n;
+        let warm = clutch.thermal.at(self.temperature[i]).0;
+        let capacity = clutch.mu_k * force * clutch.r_c_n * warm;
         (
             direction * capacity * factor,
             direction * direction * capacity * slope,
         )
+    }
+
+    /// T' of both clutches [K/s], shape (2).
+    ///
+    /// `power`: friction power [W], shape (2).
+    pub(crate) fn temperature_rate(&self, p: &Params, power: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| p.clutch[i].thermal.rate(self.temperature[i], power[i]))
+    }
+
+    /// Change of the friction torque of each slipping clutch [N·m] by one of its temperature [K].
+    pub(crate) fn friction_by_heat(&self, p: &Params, force: [f64; 2], d: [f64; 2]) -> [f64; 2] {
+        let slip = slip(&self.x);
+        [0, 1].map(|i| {
+            let (direction, clutch) = (self.modes[i].direction(), &p.clutch[i]);
+            let factor = clutch.curve.at(slip[i].abs()).0;
+            let capacity = clutch.mu_k * force[i] * clutch.r_c_n * factor;
+            direction * capacity * clutch.thermal.at(self.temperature[i]).1 * d[i]
+        })
+    }
+
+    /// Heats the clutches by the friction work since `before` [J], shape (2), in `t` [s], and cools them.
+    pub(crate) fn warm(&mut self, p: &Params, before: [f64; 2], t: f64) {
+        for (i, clutch) in p.clutch.iter().enumerate() {
+            let work = self.work.friction[i] - before[i];
+            self.temperature[i] = clutch.thermal.after(self.temperature[i], work, t);
+        }
+    }
+
+    /// The plant as warm as the friction power at the start of a block makes it by its end.
+    fn ahead(&self, p: &Params, input: &Input, t: f64) -> Self {
+        let slip = slip(&self.x);
+        let power = [0, 1].map(|i| {
+            let slipping = self.modes[i].direction() != 0.0;
+            let torque = self.friction_at(p, i, input.force[i], slip[i]).0;
+            if slipping { torque * slip[i] } else { 0.0 }
+        });
+        let rate = self.temperature_rate(p, power);
+        Self {
+            temperature: [0, 1].map(|i| self.temperature[i] + rate[i] * t),
+            ..*self
+        }
     }
 }
 
@@ -152,9 +212,9 @@ impl Block {
     ) -> (Self, bool) {
         let mut block = Self::begin(p, plant, rung, input, rate, plant.friction_factor(p));
         let (end, grade, direction) = (block.input_end, block.grade_end, plant.brake.direction());
-        let mut ramps = Ramps::new(rung, &block);
+        let (mut ramps, ahead) = (Ramps::new(rung, &block), plant.ahead(p, input, rung.t));
         let settled = ramps.settle(rung.t, |speed| {
-            let [one, two] = [0, 1].map(|i| plant.friction_at(p, i, end.force[i], speed[i]));
+            let [one, two] = [0, 1].map(|i| ahead.friction_at(p, i, end.force[i], speed[i]));
             let load = end.load_torque(p, grade, speed[2], direction);
             [[one.0, two.0, load.0].into(), [one.1, two.1, load.1].into()]
         });

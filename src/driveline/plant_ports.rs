@@ -119,6 +119,10 @@ pub struct Output {
     pub friction_power: [f64; 2],
     /// Friction energy since the start [J], shape (2).
     pub friction_energy: [f64; 2],
+    /// Temperatures of the clutches [K], shape (2).
+    pub temperature: [f64; 2],
+    /// Volume worn off each lining since the start [m³], shape (2): specific wear times friction energy.
+    pub wear: [f64; 2],
     /// Friction power of the brake [W], ≥ 0.
     pub brake_power: f64,
     /// Friction energy of the brake since the start [J].

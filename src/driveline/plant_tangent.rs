@@ -41,8 +41,28 @@ impl Plant {
         dx: &State,
         du: &InputRate,
     ) -> Output {
+        self.tangent_with(p, systems, input, dx, du, [0.0; 2])
+    }
+
+    /// [`Self::tangent`] with a change `heat` of the temperatures [K], shape (2), as well.
+    fn tangent_with(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        input: &Input,
+        dx: &State,
+        du: &InputRate,
+        heat: [f64; 2],
+    ) -> Output {
         let now = self.outputs(p, systems, input);
-        let dv = self.torque_change(p, input, dx, du);
+        let mut dv = self.torque_change(p, input, dx, du);
+        for (i, torque) in self
+            .friction_by_heat(p, input.force, heat)
+            .into_iter()
+            .enumerate()
+        {
+            dv[1 + i] += torque;
+        }
         let system = &systems.by_stuck[stuck_set(self.modes)];
         let t_c = [0, 1].map(|i| system.rows.torque[i].of(dx, &dv));
         let slips = [0, 1].map(|i| self.modes[i] != Mode::Stuck);
@@ -83,15 +103,18 @@ impl Plant {
         rate: &InputRate,
     ) -> Output {
         let now = self.outputs(p, systems, input);
+        let heat = self.temperature_rate(p, now.friction_power);
         let factor = self.friction_factor(p);
         let v = torques(p, self.modes, factor, input.t_e, input.force, now.t_v);
         let v = self.with_synchronisers(p, v);
         let x_dot = systems.by_stuck[stuck_set(self.modes)].derivative(&self.x, &v);
         Output {
             friction_energy: now.friction_power,
+            temperature: heat,
+            wear: [0, 1].map(|i| p.clutch[i].specific_wear * now.friction_power[i]),
             brake_energy: now.brake_power,
             synchroniser_energy: self.synchroniser_power(p),
-            ..self.tangent(p, systems, input, &x_dot, rate)
+            ..self.tangent_with(p, systems, input, &x_dot, rate, heat)
         }
     }
 
@@ -135,11 +158,12 @@ mod tests {
     use crate::plant::{ClutchState, Input, InputRate, Output, Plant};
     use crate::plant_matrices::State;
     use crate::plant_modes::Mode;
+    use crate::thermal::Thermal;
 
     /// Of the largest value; the differences below are exact but for round-off where y is linear in u.
     const ROUND_OFF: f64 = 1e-6;
 
-    fn numbers(y: &Output) -> [f64; 18] {
+    fn numbers(y: &Output) -> [f64; 20] {
         let ([a, b], [c, d], [e, f]) = (y.t_c, y.t_t, y.friction_power);
         let ([g, h], [i, j]) = (y.omega_c, y.slip);
         let speeds = [y.omega_e, y.omega_d, y.omega_o, y.omega_w];
@@ -163,6 +187,8 @@ mod tests {
             y.t_d,
             y.t_o,
             y.t_v,
+            y.temperature[0],
+            y.temperature[1],
         ]
     }
 
@@ -205,17 +231,27 @@ mod tests {
             slip: [0.0, 10.0, 25.0, 60.0, 150.0],
             factor: [1.1, 1.0, 0.95, 1.0, 0.7],
         };
-        for (rigid, curve) in [
-            (false, FrictionCurve::CONSTANT),
-            (true, FrictionCurve::CONSTANT),
-            (false, curve),
+        let hot = Thermal {
+            capacity: 2.0,
+            conductance: 1.0,
+            ambient: 300.0,
+            temperature: [250.0, 400.0, 500.0, 600.0],
+            factor: [1.0, 0.5, 0.4, 0.3],
+        };
+        for (rigid, curve, thermal) in [
+            (false, FrictionCurve::CONSTANT, Thermal::OFF),
+            (true, FrictionCurve::CONSTANT, Thermal::OFF),
+            (false, curve, hot),
         ] {
             for (force, omega_e, states) in cases {
                 let mut p = Params {
                     rigid,
                     ..Params::TABLE_1
                 };
-                p.clutch.iter_mut().for_each(|clutch| clutch.curve = curve);
+                for clutch in &mut p.clutch {
+                    (clutch.curve, clutch.thermal) = (curve, thermal);
+                    clutch.specific_wear = 1.0;
+                }
                 let input = Input {
                     t_e: 20.0,
                     force,
@@ -253,7 +289,7 @@ mod tests {
             };
             let ((more, rate), (less, _)) = (difference(delta), difference(-delta));
             let slope = plant.tangent(p, &systems, input, &State::zeros(), &rate);
-            let found: [f64; 18] = core::array::from_fn(|k| (more[k] - less[k]) / (2.0 * delta));
+            let found: [f64; 20] = core::array::from_fn(|k| (more[k] - less[k]) / (2.0 * delta));
             close(&numbers(&slope), &found, ROUND_OFF, which);
         }
         let rates = numbers(&plant.output_rates(p, &systems, input, &InputRate::default()));
@@ -263,7 +299,7 @@ mod tests {
         let middle = at(&plant);
         plant.step(p, &mut propagators, input, &InputRate::default());
         let last = at(&plant);
-        let found: [f64; 18] = core::array::from_fn(|k| {
+        let found: [f64; 20] = core::array::from_fn(|k| {
             (4.0 * middle[k] - last[k] - 3.0 * before[k]) / (2.0 * propagators.h)
         });
         // Second order in 42 673 1/s · 1 µs, the fastest eigenvalue times the step.
@@ -271,7 +307,7 @@ mod tests {
         plant
     }
 
-    fn close(ours: &[f64; 18], theirs: &[f64; 18], share: f64, what: usize) {
+    fn close(ours: &[f64; 20], theirs: &[f64; 20], share: f64, what: usize) {
         for (k, (one, other)) in ours.iter().zip(theirs).enumerate() {
             let scale = one.abs().max(other.abs()).max(1.0);
             assert!(

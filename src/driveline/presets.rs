@@ -13,6 +13,7 @@
 use crate::ForceMap;
 use crate::friction::FrictionCurve;
 use crate::params::{ClutchParams, Params, RoadParams};
+use crate::thermal::Thermal;
 
 /// Final-drive ratio of output shaft 1 (gears 1-4) of the box that [`Params::DRY_7`] follows [1].
 const DRY_7_FINAL: f64 = 4.438;
@@ -106,6 +107,8 @@ impl ClutchParams {
         mu_k: 0.30,
         mu_s: 0.31,
         curve: FrictionCurve::CONSTANT,
+        thermal: Thermal::OFF,
+        specific_wear: 0.0,
         r_c_n: 0.130 * 4.0,
         map: ForceMap::CLUTCH_1,
         piston_area: 0.001,
@@ -118,6 +121,8 @@ impl ClutchParams {
             mu_k: 0.30,
             mu_s: 0.33,
             curve: FrictionCurve::CONSTANT,
+            thermal: Thermal::OFF,
+            specific_wear: 0.0,
             r_c_n: 2.0 * 0.0975,
             map,
             piston_area: 0.0,

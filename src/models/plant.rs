@@ -9,6 +9,7 @@ mod losses;
 mod propagation;
 mod shelf;
 mod table;
+mod thermal;
 
 use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
@@ -76,7 +77,11 @@ pub struct Plant {
 
 impl Default for Plant {
     fn default() -> Self {
-        let (gear, y) = ([1, 2], Output::default());
+        let state = driveline::Plant::AT_REST;
+        let y = Output {
+            temperature: state.temperature,
+            ..Output::default()
+        };
         Self {
             p: Params::TABLE_1,
             engine_speed_start: 0.0,
@@ -84,9 +89,9 @@ impl Default for Plant {
             jerk_time: 0.016,
             u: Inputs::default(),
             u_rate: Inputs::default(),
-            gear,
-            refused: gear,
-            state: driveline::Plant::AT_REST,
+            gear: state.gear,
+            refused: state.gear,
+            state,
             y,
             jerk_filter: JerkFilter::at(0.0),
             comfort: [0.0; 2],
@@ -314,7 +319,8 @@ impl Model for Plant {
 
     fn consistent(&self) -> Result<(), Failure> {
         check_maps(&self.p)?;
-        lining::check_curves(&self.p)
+        lining::check_curves(&self.p)?;
+        thermal::check_thermal(&self.p)
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
@@ -343,6 +349,7 @@ impl Model for Plant {
         ] {
             fields.real(value);
         }
+        fields.reals(&mut self.state.temperature);
         fields.real(&mut self.state.stored_at_start);
         fields.reals(&mut self.jerk_filter.state);
     }

@@ -3,6 +3,7 @@
 use super::Plant;
 use super::lining::lining;
 use super::losses::LOSSES;
+use super::thermal::{thermal, thermal_outputs};
 use crate::ports;
 use crate::rows::table;
 use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road, shaft};
@@ -16,9 +17,11 @@ pub(super) const LONGEST_STEP: f64 = 1.0;
 pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
     SPEEDS, TORQUES, LOSSES, clutch_outputs::<0>(), clutch_outputs::<1>(),
+    thermal_outputs::<0>(), thermal_outputs::<1>(),
     driveline(), road(), compliance(),
     shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
-    clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(), START,
+    clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(),
+    thermal::<0>(), thermal::<1>(), START,
 );
 
 /// State of a clutch.

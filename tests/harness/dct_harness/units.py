@@ -70,7 +70,8 @@ _LIST = (
     _unit("J", kg=1, m=2, s=-2), _unit("kJ", 1e3, kg=1, m=2, s=-2),
     _unit("W", kg=1, m=2, s=-3), _unit("kW", 1e3, kg=1, m=2, s=-3),
     _unit("K", K=1), _unit("degC", 1.0, ZERO_CELSIUS, K=1), _unit("°C", 1.0, ZERO_CELSIUS, K=1),
-    _unit("kg/m3", kg=1, m=-3),
+    _unit("kg/m3", kg=1, m=-3), _unit("m3", m=3), _unit("m3/J", kg=-1, m=1, s=2),
+    _unit("J/K", kg=1, m=2, s=-2, K=-1), _unit("W/K", kg=1, m=2, s=-3, K=-1),
 )  # fmt: skip
 KNOWN = {unit.name: unit for unit in _LIST}
 SPELLINGS = {
