@@ -1,7 +1,7 @@
 """Run the FMUs in ecos and print all outputs after the last step as JSON.
 
-`python run_in_ecos.py alone` gives each FMU its own inputs, `... loop` couples the three. It is a
-program of its own, since ecos ends its process when an FMU crashes.
+`python run_in_ecos.py alone STEP` gives each FMU its own inputs, `... loop STEP`
+couples the three. It is a program of its own, since ecos ends its process when an FMU crashes.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import sys
 
 from ecospy import EcosLib, EcosSimulation, EcosSimulationStructure
 from fmpy import read_model_description
-from importer_cases import CONNECTIONS, HALF, LATER, LOOP_STARTS, MODELS, STARTS, STEP, STEPS, fmu
+from importer_cases import CONNECTIONS, LATER, LOOP_STARTS, MODELS, STARTS, fmu
 
 
 def structure(starts: dict[str, dict], loop: bool) -> EcosSimulationStructure:
@@ -46,21 +46,21 @@ def outputs(simulation: EcosSimulation, model: str) -> dict[str, float]:
     return {v.name: getters[v.type](f"{model}::{v.name}") for v in found}
 
 
-def main(what: str) -> None:
-    """Run `alone` or `loop`."""
+def main(what: str, step: float) -> None:
+    """Run `alone` or `loop` for 1 s in steps [s]; in the middle, inputs change."""
     EcosLib.set_log_level("warn")
-    loop = what == "loop"
+    loop, steps = what == "loop", round(1.0 / step)
     with structure(LOOP_STARTS if loop else STARTS, loop) as parts:
-        simulation = EcosSimulation(step_size=STEP, structure=parts)
+        simulation = EcosSimulation(step_size=step, structure=parts)
     with simulation:
         simulation.init(parameter_set="starts")
-        simulation.step(HALF)
+        simulation.step(steps // 2)
         if not loop:
             change(simulation)
-        simulation.step(STEPS - HALF)
+        simulation.step(steps - steps // 2)
         print(json.dumps({model: outputs(simulation, model) for model in MODELS}))
         simulation.terminate()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1], float(sys.argv[2]))

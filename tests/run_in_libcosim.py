@@ -1,7 +1,8 @@
 """Run the FMUs in libcosim and print all outputs after the last step as JSON.
 
-`python run_in_libcosim.py alone` gives each FMU its own inputs, `... loop` couples the three. It is
-a program of its own, since libcosim ends its process when an FMU does not load.
+`python run_in_libcosim.py alone STEP` gives each FMU its own inputs, `... loop STEP`
+couples the three. It is a program of its own, since libcosim ends its process when an FMU does not
+load.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import json
 import sys
 from typing import Any
 
-from importer_cases import CONNECTIONS, HALF, LATER, LOOP_STARTS, MODELS, STARTS, STEP, STEPS, fmu
+from importer_cases import CONNECTIONS, LATER, LOOP_STARTS, MODELS, STARTS, fmu
 from libcosimpy.CosimConstants import success as SUCCESS
 from libcosimpy.CosimEnums import CosimVariableCausality, CosimVariableType
 from libcosimpy.CosimExecution import CosimExecution
@@ -28,8 +29,8 @@ TYPES = {
 class Simulation:
     """The three FMUs in one execution; variables are found by model and name."""
 
-    def __init__(self) -> None:
-        self.execution = CosimExecution.from_step_size(STEP * 1e9)
+    def __init__(self, step: float) -> None:
+        self.execution = CosimExecution.from_step_size(step * 1e9)
         self.slaves = [CosimLocalSlave(fmu_path=str(fmu(m)), instance_name=m) for m in MODELS]
         self.index = {m: self.execution.add_local_slave(s)
                       for m, s in zip(MODELS, self.slaves, strict=True)}  # fmt: skip
@@ -78,23 +79,23 @@ def done(success: bool) -> None:
         raise RuntimeError("libcosim refused a call")
 
 
-def main(what: str) -> None:
-    """Run `alone` or `loop`."""
+def main(what: str, step: float) -> None:
+    """Run `alone` or `loop` for 1 s in steps [s]; in the middle, inputs change."""
     log_output_level(CosimLogLevel.WARNING)
-    loop = what == "loop"
-    simulation = Simulation()
+    loop, steps = what == "loop", round(1.0 / step)
+    simulation = Simulation(step)
     for model, values in (LOOP_STARTS if loop else STARTS).items():
         for name, value in values.items():
             simulation.start_with(model, name, value)
     for connection in CONNECTIONS if loop else ():
         simulation.connect(*connection)
-    done(simulation.execution.step(HALF))
+    done(simulation.execution.step(steps // 2))
     for model, values in ({} if loop else LATER).items():
         for name, value in values.items():
             simulation.set(model, name, value)
-    done(simulation.execution.step(STEPS - HALF))
+    done(simulation.execution.step(steps - steps // 2))
     print(json.dumps({model: simulation.outputs(model) for model in MODELS}))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1], float(sys.argv[2]))

@@ -16,10 +16,10 @@ from importer_cases import (
     FMUS,
     HALF,
     LOOP_STARTS,
+    LOOP_STEPS,
     MODELS,
     STARTS,
     STEP,
-    STEPS,
     expected,
     fmu,
     of_states_only,
@@ -51,9 +51,11 @@ def test_it_would_find_a_fault(tmp_path: Path) -> None:
     assert _check(broken).returncode != 0
 
 
-def _container(path: Path, starts: Starts, outputs: dict[str, list[str]], loop: bool) -> Path:
+def _container(
+    path: Path, starts: Starts, outputs: dict[str, list[str]], step: float, loop: bool
+) -> Path:
     """Pack the three FMUs into one whose outputs are called `<model>.<variable>`."""
-    node = AssemblyNode("dct.fmu", step_size=STEP, auto_link=False, auto_input=False,
+    node = AssemblyNode("dct.fmu", step_size=step, auto_link=False, auto_input=False,
                         auto_output=False)  # fmt: skip
     for model in MODELS:
         node.add_fmu(f"{model}.fmu")
@@ -67,8 +69,8 @@ def _container(path: Path, starts: Starts, outputs: dict[str, list[str]], loop: 
     return path
 
 
-def _last_row(path: Path, steps: int) -> np.void:
-    result = fmpy.simulate_fmu(str(path), stop_time=steps * STEP, output_interval=STEP)
+def _last_row(path: Path, steps: int, step: float) -> np.void:
+    result = fmpy.simulate_fmu(str(path), stop_time=steps * step, output_interval=step)
     assert len(result) == steps + 1
     return result[-1]
 
@@ -81,12 +83,15 @@ def _assert_equal(row: np.void, wanted: Starts) -> None:
 def test_packed_side_by_side_they_give_what_fmpy_gives(tmp_path: Path) -> None:
     wanted = {model: expected(model, HALF) for model in MODELS}
     outputs = {model: list(values) for model, values in wanted.items()}
-    path = _container(tmp_path / "alone.fmu", STARTS, outputs, loop=False)
-    _assert_equal(_last_row(path, HALF), wanted)
+    path = _container(tmp_path / "alone.fmu", STARTS, outputs, STEP, loop=False)
+    _assert_equal(_last_row(path, HALF, STEP), wanted)
 
 
-def test_packed_and_coupled_they_give_what_a_jacobi_master_gives(tmp_path: Path) -> None:
-    wanted = {model: of_states_only(model) for model in MODELS}
+@pytest.mark.parametrize("step", LOOP_STEPS)
+def test_packed_and_coupled_they_give_what_a_jacobi_master_gives(
+    step: float, tmp_path: Path
+) -> None:
+    wanted = {model: of_states_only(model, step) for model in MODELS}
     outputs = {model: list(values) for model, values in wanted.items()}
-    path = _container(tmp_path / "loop.fmu", LOOP_STARTS, outputs, loop=True)
-    _assert_equal(_last_row(path, STEPS), wanted)
+    path = _container(tmp_path / "loop.fmu", LOOP_STARTS, outputs, step, loop=True)
+    _assert_equal(_last_row(path, round(1.0 / step), step), wanted)
