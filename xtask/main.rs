@@ -1,4 +1,4 @@
-//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | native | docs | ci`.
+//! The project's chores, each with its own set-up: `cargo xtask demo | test | bench | deny | fuzz | native | docs | ci`.
 //!
 //! ```text
 //! main (arguments) ──> demo, test, bench: lists of steps ──> plan (runs them, says [3/9] …)
@@ -13,6 +13,7 @@
 mod bench;
 mod demo;
 mod dependencies;
+mod fuzz;
 mod native;
 mod packages;
 mod plan;
@@ -37,6 +38,10 @@ commands:
                  fails when a gate is missed; --quick is a short run that judges nothing
   deny           licences, advisories, origin and place of every crate: cargo-deny, deny.toml
   native         the compiled master as a Python module in .venv: dct-harness run --engine native
+  fuzz [SECONDS | keep]
+                 libFuzzer on calls, saved states and packages, 600 s each, plain and with the
+                 address sanitizer; an input that breaks one is left in target/fuzz/reproducers;
+                 keep takes inputs that cover something new into tests/fuzz/corpus
   docs           the docs site into target/docs
   platforms [--build-std]
                  FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, all
@@ -85,6 +90,7 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
         ["deny"] => plan::run(deny(&project)),
         ["native"] => plan::run(native(&project)),
+        ["fuzz", what @ ..] => plan::run(fuzz::steps_for(&project, what)?),
         ["docs"] => plan::run(docs(&project)),
         ["platforms"] => plan::run(platforms::steps(&project, false)),
         ["platforms", "--build-std"] => plan::run(platforms::steps(&project, true)),

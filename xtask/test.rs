@@ -10,6 +10,9 @@ use std::process::Command;
 /// The library for control units is one too: without std it needs panic = "abort".
 const ECU: &str = "examples/ecu_observer/Cargo.toml";
 
+/// The fuzz targets are another: they are built with counters.
+const FUZZ: &str = "tests/fuzz/Cargo.toml";
+
 /// The steps of `cargo xtask test`.
 pub fn steps(project: &Project) -> Vec<Step> {
     vec![
@@ -40,6 +43,7 @@ fn formatters(project: &Project) -> Vec<Command> {
         project.cargo(&["fmt", "--all", "--check"]),
         project.cargo(&["fmt", "--check", "--manifest-path", MASTER]),
         project.cargo(&["fmt", "--check", "--manifest-path", ECU]),
+        project.cargo(&["fmt", "--check", "--manifest-path", FUZZ]),
         project.venv("ruff", &["format", "--check", "--quiet"]),
     ]
 }
