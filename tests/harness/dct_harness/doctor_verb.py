@@ -17,6 +17,9 @@ from .errors import HarnessError
 OPTIONAL = {
     "pyarrow": "results as Parquet: pip install dct-harness[parquet]",
     "asammdf": "results as MF4: pip install dct-harness[mf4]",
+    "scipy": "sweeps by Latin hypercube and Sobol: pip install dct-harness[sweep]",
+    "distributed": "sweeps on a cluster: pip install dct-harness[dask]",
+    "fmu_manipulation_toolbox": "export-container: pip install dct-harness[container]",
     "matplotlib": "pictures: pip install dct-harness[picture]",
 }
 
