@@ -30,6 +30,7 @@ REFERENCES = {"paper_compliant": (), "paper_rigid": ("plant.transmission.rigid=t
 GRADE = "observer.load.method=1"  # (11) with the known grade: the exact load torque
 FADES = {"clutch1": (1.6, 2.5), "clutch2": (9.6, 10.4)}  # s: it slips, the other is open
 FRICTION_LIMIT = 0.007  # of the learnt friction coefficient while it fades at 0.06 and 0.08 1/s
+FADE_BY_HEAT = ((300.0, 350.0, 400.0, 450.0), (1.0, 0.9, 0.8, 0.7))  # K, factor on the friction
 FADE_CASES = ("friction_fade_case1", "friction_fade_case2")
 LIMITS = {"paper_case1": (12.0, 14.0, 3.0), "paper_case2": (16.0, 19.0, 3.5)}  # % of RMS
 
@@ -179,6 +180,32 @@ def test_the_observer_follows_friction_that_fades(runs: Runs, clutch: str) -> No
     assert np.ptp(fading) > 2 * FRICTION_LIMIT
     error = loop[f"observer.{clutch}.friction"][inside] - fading
     assert np.abs(error).max() <= FRICTION_LIMIT
+
+
+def _hot(clutch: str) -> list[str]:
+    """Settings of a lining so light that one launch or shift heats it by 60 K and more."""
+    table = zip(*FADE_BY_HEAT, strict=True)
+    points = [
+        f"plant.{clutch}.thermal.{name}[{k}]={value}"
+        for k, point in enumerate(table, 1)
+        for name, value in zip(("temperature", "factor"), point, strict=True)
+    ]
+    node = {"capacity": 50, "conductance": 5, "ambient": 300}
+    return points + [f"plant.{clutch}.thermal.{name}={value}" for name, value in node.items()]
+
+
+@pytest.mark.parametrize(("clutch", "friction"), [("clutch1", 0.26), ("clutch2", 0.22)])
+def test_the_observer_follows_linings_that_get_hot(
+    runs: Runs, clutch: str, friction: float
+) -> None:
+    settings = [*_hot("clutch1"), *_hot("clutch2"), "control.feedback.enabled=true"]
+    loop, (start, end) = runs("torque_tracking_case1", *settings), FADES[clutch]
+    inside = (loop.time >= start) & (loop.time <= end)
+    faded = friction * np.interp(loop[f"plant.{clutch}.temperature"], *FADE_BY_HEAT)[inside]
+    assert np.ptp(faded) > 2 * FRICTION_LIMIT
+    error = loop[f"observer.{clutch}.friction"][inside] - faded
+    assert np.abs(error).max() <= FRICTION_LIMIT
+    assert loop["observer.status.valid"].all()
 
 
 @pytest.mark.parametrize("case", CASES + TRACKING_CASES + FADE_CASES)
