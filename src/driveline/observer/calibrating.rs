@@ -48,8 +48,10 @@ pub const PARAMETERS: usize = 8;
 const LARGEST: [f64; LEARNT] = [30.0, 0.7, 0.5, 0.5, 0.7, 0.7, 0.7];
 /// J_ed, k_o, c_o, J_out, J_v: witnesses of the common factor.
 const RATIOS: [usize; WITNESSES] = [DELTA, KAPPA, GAMMA, LAMBDA, NU];
+/// Where ν stands among the parameters told.
+const MASS: usize = 7;
 /// Where these stand among the parameters told.
-const TOLD: [usize; WITNESSES] = [2, 4, 5, 6, 7];
+const TOLD: [usize; WITNESSES] = [2, 4, 5, 6, MASS];
 /// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
 const UNSURE: f64 = 4000.0;
 /// Relative deviation of the torque that a change of force brings [1]: friction known, and not.
@@ -130,6 +132,9 @@ pub struct Calibration {
     pub value: [f64; PARAMETERS],
     /// Their standard deviations, shape (8).
     pub deviation: [f64; PARAMETERS],
+    /// Mass of the vehicle [kg] and its standard deviation [kg], shape (2): all that J_v is more than believed is
+    /// mass. From accelerations alone, so no grade need be known.
+    pub mass: [f64; 2],
 }
 
 /// State of the observer.
@@ -276,6 +281,19 @@ impl Calibrating {
         said
     }
 
+    /// What was learnt in all, with the mass that it means; `p` with what was learnt before.
+    fn weighed(&self, p: &Params, settings: &Settings) -> Calibration {
+        let prior = &settings.calibrating.prior;
+        let all = prior.with(&self.calibration());
+        let per_kg = p.road.r_w * p.road.r_w;
+        let believed = p.j_v / (1.0 + prior.0[MASS]);
+        let mass = p.road.m_v + all.value[MASS] * believed / per_kg;
+        Calibration {
+            mass: [mass, all.deviation[MASS] * p.j_v / per_kg],
+            ..all
+        }
+    }
+
     /// What is said of a sample that cannot be used.
     fn refuse(&self, settings: &Settings) -> Estimate {
         Estimate {
@@ -298,7 +316,7 @@ impl Calibrating {
             t_c_deviation: [0, 1].map(|i| uncertain(own.t_c[i], own.t_c_deviation[i])),
             t_o_deviation: uncertain(own.t_o, own.t_o_deviation),
             friction: own.friction.map(|mu| mu * factor),
-            calibration: settings.calibrating.prior.with(&self.calibration()),
+            calibration: self.weighed(p, settings),
             ..own
         };
         said.with_friction_terms(p, settings, sample)

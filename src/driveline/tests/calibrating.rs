@@ -215,3 +215,41 @@ fn a_second_drive_starts_with_what_the_first_has_learnt() {
     println!("first launch {first:.1} N·m, second drive {second:.1} N·m");
     assert!(second < 0.5 * first, "{first:.1} {second:.1} N·m");
 }
+
+/// A vehicle that is 20 % heavier or lighter than believed, on roads whose grade is not told.
+#[test]
+fn the_mass_of_the_vehicle_is_found_while_driving() {
+    const WITHIN: f64 = 0.02;
+    for scenario in [
+        scenarios::paper(),
+        scenarios::aborted_launch(),
+        scenarios::random(4),
+        scenarios::random(8),
+    ] {
+        let drive = scenario.drive(H);
+        for heavier in [0.8, 1.0, 1.2] {
+            let mut p = drive.p;
+            let wheel = p.road.r_w * p.road.r_w;
+            let wrong = p.road.m_v * (1.0 / heavier - 1.0);
+            p.road.m_v += wrong;
+            p.j_v += wrong * wheel;
+            let mut last = Calibration::default();
+            let mut observer = Selected::new(Method::Calibrating);
+            observe(
+                &drive,
+                &mut observer,
+                &p,
+                &Settings::CASE_1,
+                noisy(0.1, 1),
+                |_, estimate| last = estimate.calibration,
+            );
+            let [mass, deviation] = last.mass;
+            let (truth, name) = (drive.p.road.m_v, &drive.name);
+            println!("{name} x {heavier}: {mass:.0} ± {deviation:.0} of {truth:.0} kg");
+            assert!(
+                (mass / truth - 1.0).abs() < WITHIN,
+                "{name} x {heavier}: {mass:.0} kg"
+            );
+        }
+    }
+}

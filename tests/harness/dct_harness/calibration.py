@@ -41,7 +41,10 @@ def learnt(run: Results, component: str) -> dict[str, float]:
     """
     head = f"{component}.{PREFIX}"
     told = {n.removeprefix(head): float(run[n][-1]) for n in run.signals if n.startswith(head)}
-    deviations = {n.removesuffix(DEVIATION): v for n, v in told.items() if n.endswith(DEVIATION)}
+    known = run.run["parameters"][
+        component
+    ]  # the mass, which follows from the inertia, has no start
+    deviations = {name: told[name + DEVIATION] for name in told if f"{PREFIX}{name}Sigma" in known}
     if not any(deviations.values()):
         return {}
     values = {f"{PREFIX}{name}Start": told[name] for name in deviations}

@@ -4,7 +4,7 @@ use crate::observer::Observer;
 use fmi2_cosim::{Unit as U, Variable};
 
 /// Parameters learnt, with their standard deviations.
-pub(super) const OUTPUTS: [Variable<Observer>; 16] = [
+pub(super) const OUTPUTS: [Variable<Observer>; 18] = [
     learnt(
         "calibration.torqueScale",
         U::ONE,
@@ -100,6 +100,18 @@ pub(super) const OUTPUTS: [Variable<Observer>; 16] = [
         U::ONE,
         |m| &mut m.y.calibration.deviation[7],
         "Standard deviation of calibration.vehicleInertiaError",
+    ),
+    learnt(
+        "calibration.vehicleMass",
+        U::KILOGRAM,
+        |m| &mut m.y.calibration.mass[0],
+        "Mass that the learnt inertia of the vehicle means; 0 of other methods",
+    ),
+    learnt(
+        "calibration.vehicleMassDeviation",
+        U::KILOGRAM,
+        |m| &mut m.y.calibration.mass[1],
+        "Standard deviation of calibration.vehicleMass",
     ),
 ];
 
