@@ -261,7 +261,7 @@ impl Plant {
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
         for i in [0, 1] {
             if systems.rigid_ratio[i] != 0.0 {
-                let omega_c_dot = system.derivative(x, &v)[C + i];
+                let omega_c_dot = system.rate(C + i, x, &v);
                 t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
             }
             if self.synchroniser[i] != Mode::Open {

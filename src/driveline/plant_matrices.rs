@@ -73,6 +73,13 @@ impl System {
         self.a * x + self.b * v
     }
 
+    /// One entry of [`Self::derivative`].
+    pub fn rate(&self, state: usize, x: &State, v: &Torques) -> f64 {
+        let by_state: f64 = (0..STATES).map(|j| self.a[(state, j)] * x[j]).sum();
+        let by_torque: f64 = (0..TORQUES).map(|q| self.b[(state, q)] * v[q]).sum();
+        by_state + by_torque
+    }
+
     /// T_c1, T_c2 [N·m], shape (2): entry of v, or the constraint torque of an engaged clutch.
     pub fn clutch_torque(&self, x: &State, v: &Torques) -> [f64; 2] {
         (self.t_c_x * x + self.t_c_v * v).into()
@@ -275,6 +282,8 @@ mod tests {
     use crate::Params;
 
     const V: [f64; 4] = [60.0, 40.0, -25.0, 300.0];
+    /// Terms of a derivative cancel to a thousandth of themselves.
+    const ROUND_OFF: f64 = 1e-12;
 
     fn state() -> State {
         State::from([
@@ -311,6 +320,18 @@ mod tests {
             (v[1], v[2]) = (t_c[0], t_c[1]);
             let open = systems.by_stuck[0].derivative(&state(), &v);
             assert!((engaged - open).amax() < 1e-7 * open.amax());
+        }
+    }
+
+    #[test]
+    fn a_rate_is_an_entry_of_the_derivative() {
+        let (systems, v) = (Systems::new(&Params::TABLE_1, [1, 2]), Torques::from(V));
+        for system in &systems.by_stuck {
+            let x_dot = system.derivative(&state(), &v);
+            for (i, x_dot) in x_dot.iter().enumerate() {
+                let apart = (system.rate(i, &state(), &v) - x_dot).abs();
+                assert!(apart <= ROUND_OFF * x_dot.abs().max(1.0), "{i}");
+            }
         }
     }
 

@@ -69,7 +69,7 @@ impl Plant {
         let slip = [0, 1].map(|i| if slips[i] { dx[D] - dx[C + i] } else { 0.0 });
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(dx);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
-            let omega_c_dot = system.derivative(dx, &dv)[C + i];
+            let omega_c_dot = system.rate(C + i, dx, &dv);
             t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
         }
         Output {
