@@ -215,6 +215,40 @@ mod tests {
         }
     }
 
+    /// Homogeneity: this factor is what no filter can find from speeds.
+    #[test]
+    fn one_common_factor_on_all_torques_and_parameters_changes_no_speed() {
+        const FACTOR: f64 = 1.07;
+        let (p, sample) = (Params::TABLE_1, sample());
+        let mut scaled = Params {
+            j_e: FACTOR * p.j_e,
+            j_d: FACTOR * p.j_d,
+            j_ct: p.j_ct.map(|j| FACTOR * j),
+            j_o: FACTOR * p.j_o,
+            j_v: FACTOR * p.j_v,
+            k_o: FACTOR * p.k_o,
+            c_o: FACTOR * p.c_o,
+            ..p
+        };
+        scaled.road.m_v *= FACTOR;
+        scaled.road.rho_air *= FACTOR;
+        let mut stronger = sample;
+        stronger.t_e *= FACTOR;
+        stronger.t_brake *= FACTOR;
+        let mut x = state();
+        for j in [3, 4, 5, 6, 7] {
+            x[j] *= FACTOR;
+        }
+        let motion = |p, sample, x| View::new(p, sample, x).motion(1e-3, |slope| slope).moved;
+        let (one, other) = (
+            motion(&p, &sample, &state()),
+            motion(&scaled, &stronger, &x),
+        );
+        let speeds = (one - other).fixed_rows::<3>(0).amax();
+        assert!(speeds < 1e-10, "{one} {other}");
+        assert!((other[3] / one[3] - FACTOR).abs() < 1e-10);
+    }
+
     #[test]
     fn derivative_of_the_constraint_is_exact() {
         const TOLERANCE: f64 = 1e-6;
