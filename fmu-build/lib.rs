@@ -18,6 +18,7 @@ mod content;
 mod description;
 mod drive;
 mod error;
+mod figures;
 pub mod icon;
 pub mod library;
 mod merge;

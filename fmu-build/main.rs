@@ -67,7 +67,7 @@ enum Command {
     /// Run FMUs over a table of inputs and write their outputs, bit for bit.
     #[command(
         after_help = "Several FMUs are coupled: an input takes the output of its name from the FMU nearest \
-before its own, going round.\nThe same file on two platforms means that both compute the same."
+before its own, going round; they step in the order of the list.\nThe same file on two platforms means that both compute the same."
     )]
     Replay {
         /// FMU files.

@@ -2,6 +2,7 @@
 
 use crate::about::{self, About};
 use crate::drive::{Driven, Part};
+use crate::figures::{self, Figures};
 use crate::icon::{self, Icon};
 use crate::library::Target;
 use crate::parameters::{self, ParameterSet, Values};
@@ -35,6 +36,8 @@ pub struct Entry {
     pub(crate) sets: fn() -> Result<Vec<ParameterSet>>,
     /// Experiment with reference results in its FMU.
     pub(crate) smoke: Option<Smoke>,
+    /// Measures what its documentation page shows of its accuracy.
+    pub(crate) figures: Option<fn() -> Result<Figures>>,
     /// Makes an instance of the model.
     pub(crate) part: fn() -> Box<dyn Part>,
     /// Writes some parameters with their values as a parameter set.
@@ -62,6 +65,7 @@ impl Entry {
             icon: icon::BLOCK,
             sets: || Ok(Vec::new()),
             smoke: None,
+            figures: None,
             part: Driven::<M>::boxed,
             given: parameters::given::<M>,
             ports: port::ports::<M>,
@@ -110,6 +114,12 @@ impl Entry {
     #[must_use]
     pub const fn smoke(mut self, smoke: Smoke) -> Self {
         self.smoke = Some(smoke);
+        self
+    }
+
+    /// Measures figures for its page.
+    const fn figures(mut self, figures: fn() -> Result<Figures>) -> Self {
+        self.figures = Some(figures);
         self
     }
 
@@ -175,7 +185,8 @@ pub const MODELS: &[Entry] = &[
         .about(about::OBSERVER)
         .icon(icon::OBSERVER)
         .parameter_sets(parameters::presets::<Observer>)
-        .smoke(smoke::OBSERVER),
+        .smoke(smoke::OBSERVER)
+        .figures(figures::observer),
     Entry::of::<ClutchControl>("dct-clutch-control")
         .terminals(TERMINALS)
         .about(about::CONTROL)

@@ -7,7 +7,7 @@ use crate::{Error, Result, library};
 use std::fmt::Write as _;
 use std::fs;
 
-const SCENARIO: &str = "examples/closed_loop/scenarios/torque_tracking.csv";
+const SCENARIOS: &str = "examples/closed_loop/scenarios";
 /// Launch and lock-up of clutch 1 [s].
 const STOP: f64 = 3.0;
 /// Communication step [s]: a power of 2, so that no importer rounds a time or a step.
@@ -63,7 +63,8 @@ fn control() -> Result<String> {
 
 /// What a model's inputs are while the closed loop runs.
 fn inputs(model: usize) -> Result<String> {
-    let stimuli = stimuli()?;
+    let parameters: Vec<_> = IDLE.into_iter().chain(FRICTION).collect();
+    let stimuli = scenario("torque_tracking.csv", &parameters, STOP)?;
     let parts = MODELS.iter().map(|entry| (entry.part)()).collect();
     let mut all = Loop::new(parts, &stimuli);
     let inputs = all.signals(model, Role::Input);
@@ -84,9 +85,9 @@ fn inputs(model: usize) -> Result<String> {
     Ok(text)
 }
 
-/// The rows of the scenario up to [`STOP`], with the parameters as columns.
-fn stimuli() -> Result<Stimuli> {
-    let path = library::workspace().join(SCENARIO);
+/// A scenario of `examples/closed_loop` up to a time [s], with parameters as further columns.
+pub(crate) fn scenario(name: &str, parameters: &[(&str, f64)], until: f64) -> Result<Stimuli> {
+    let path = library::workspace().join(SCENARIOS).join(name);
     let read = fs::read_to_string(&path);
     let scenario = read.map_err(|source| Error::Io {
         path: path.clone(),
@@ -95,11 +96,11 @@ fn stimuli() -> Result<Stimuli> {
     let mut text = String::new();
     for line in scenario.lines() {
         let time = line.split(',').next().unwrap_or_default().parse::<f64>();
-        if time.as_ref().is_ok_and(|time| *time > STOP) {
+        if time.as_ref().is_ok_and(|time| *time > until) {
             break;
         }
         text.push_str(line);
-        for (name, value) in IDLE.iter().chain(&FRICTION) {
+        for (name, value) in parameters {
             match time {
                 Ok(_) => drop(write!(text, ",{value}")),
                 Err(_) => drop(write!(text, ",{name}")),

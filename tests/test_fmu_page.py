@@ -72,6 +72,19 @@ def test_it_loads_nothing_and_runs_nothing(model: str) -> None:
     assert re.findall(r"url\(|@import|https?://", etree.tostring(page, encoding="unicode")) == []
 
 
+def test_the_measured_accuracy_is_that_of_the_readme() -> None:
+    """The page is measured by the packager, the README's table by the harness."""
+    section = _page("DctObserver").find(".//section[@id='accuracy']")
+    assert section is not None
+    rows = {"".join(row[0].itertext()): _texts(row, "td")[1:] for row in section.iter("tr")}
+    assert {"paper", "lyapunov", "energy", "kalman", "calibrating"} < set(rows)
+    table = re.findall(r"^\| case \d.*?\| (.*?) \| (.*?) \|$",
+                       (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)  # fmt: skip
+    assert len(table) == 2
+    assert rows["paper"] == [observer for observer, _ in table]
+    assert rows["map-based, no observer"] == [map_based for _, map_based in table]
+
+
 def test_changes_are_those_of_the_change_log() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     changes = _page("DctPlant").find(".//section[@id='changes']")

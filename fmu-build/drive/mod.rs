@@ -2,7 +2,10 @@
 //!
 //! ```text
 //! table ──> inputs, parameters ─> component ─> outputs ──> a row of results at every communication point
-//!                      ^── outputs of equal names ──┘      (of the last point: Jacobi)
+//!                      ^── outputs of equal names ──┘
+//!
+//! Components step one after the other, as `dct-harness` lets them: one takes what those before it in the list
+//! have just computed (Gauss-Seidel).
 //! ```
 
 mod model;
@@ -106,7 +109,7 @@ impl<'a> Loop<'a> {
         for part in &mut self.parts {
             part.initialize(start)?;
         }
-        self.connect()?;
+        (0..self.parts.len()).try_for_each(|at| self.connect_to(at))?;
         self.parts.iter_mut().try_for_each(|part| part.start())?;
         see(start, self)?;
         let point = |index| start + f64::from(index) * step;
@@ -115,9 +118,10 @@ impl<'a> Loop<'a> {
             if time + 0.5 * step > stop {
                 break;
             }
-            self.exchange(time)?;
-            for part in &mut self.parts {
-                part.step(time, step)?;
+            self.give(time, &[Role::Input])?;
+            for at in 0..self.parts.len() {
+                self.connect_to(at)?;
+                self.parts[at].step(time, step)?;
             }
             see(point(index + 1), self)?;
         }
@@ -126,7 +130,7 @@ impl<'a> Loop<'a> {
 
     /// Sets every input to what it is at a communication point.
     pub(crate) fn exchange(&mut self, time: f64) -> Result<()> {
-        self.connect()?;
+        (0..self.parts.len()).try_for_each(|at| self.connect_to(at))?;
         self.give(time, &[Role::Input])
     }
 
@@ -142,14 +146,11 @@ impl<'a> Loop<'a> {
         Ok(())
     }
 
-    /// Reads every output that is wired, then sets every input.
-    fn connect(&mut self) -> Result<()> {
-        let mut values = Vec::with_capacity(self.wires.len());
-        for Wire { from, .. } in &self.wires {
-            values.push(self.parts[from.0].get(from.1)?);
-        }
-        for (Wire { to, .. }, value) in self.wires.iter().zip(values) {
-            self.parts[to.0].set(to.1, value)?;
+    /// Sets every wired input of a component.
+    fn connect_to(&mut self, at: usize) -> Result<()> {
+        for Wire { from, to } in self.wires.iter().filter(|wire| wire.to.0 == at) {
+            let value = self.parts[from.0].get(from.1)?;
+            self.parts[at].set(to.1, value)?;
         }
         Ok(())
     }

@@ -81,6 +81,7 @@ fn sections(entry: &Entry, sheet: &Sheet) -> Result<Vec<Section>> {
         section("purpose", "Purpose", list("p", purpose)),
         section("equations", "Equations", tables::equations(equations)),
         section("validity", "Validity", points(validity)),
+        section("accuracy", "Accuracy", tables::figures(entry)?),
         section("inputs", "Inputs", legend(variables("input"))),
         section("outputs", "Outputs", variables("output")),
         section("parameters", "Parameters", variables("parameter")),

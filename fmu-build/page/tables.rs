@@ -1,6 +1,7 @@
 //! The tables of a documentation page.
 
 use super::{formula, text};
+use crate::Result;
 use crate::about::Equation;
 use crate::models::Entry;
 use crate::table::{COLUMNS, Sheet};
@@ -161,6 +162,24 @@ pub(super) fn terminals(entry: &Entry) -> Table {
         columns: vec!["terminal", "kind", "what it bundles", "variables"],
         rows: rows.collect(),
     }
+}
+
+/// What was measured.
+pub(super) fn figures(entry: &Entry) -> Result<String> {
+    let Some(measure) = entry.figures else {
+        return Ok(String::new());
+    };
+    let figures = measure()?;
+    let table = Table {
+        class: "figures",
+        columns: figures.columns,
+        rows: figures.rows,
+    };
+    Ok(format!(
+        "<p>{}</p>\n{}",
+        plain(&figures.caption),
+        table.html()
+    ))
 }
 
 /// Numbers, formulas, meanings.
