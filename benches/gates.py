@@ -10,8 +10,10 @@ its outputs, friction energies included, but not jerk, filtered acceleration and
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
+from loops import Loops
 from measure import Bench
 
 FINE, COARSE = 1e-3, 1e-2
@@ -101,6 +103,24 @@ def memory(bench: Bench) -> list[Gate]:
     ]  # fmt: skip
 
 
+def loops(bench: Bench) -> list[Gate]:
+    """Closed loops by the compiled master."""
+    made = Loops(bench.stop, bench.rounds)
+    fmpy, native = np.median(made.engines, axis=0) / made.steps
+    one, two = np.median(made.threads, axis=0)
+    library = Path(bench.empty_c.partition(";")[0])
+    around = made.nothing(library) * 1e9
+    alone = 2 * np.median(bench.cpu_times(FINE, bench.empty_c))
+    return [
+        Gate("loop on fmpy / compiled master", fmpy / native, 70.0, at_least=True,
+             beside=f"{fmpy * 1e6:.3g} / {native * 1e6:.3g} us per step of three FMUs"),
+        Gate("run on 2 threads / on 1", two / one, 1.1,
+             beside=f"CPU time {two * 1e3:.3g} / {one * 1e3:.3g} ms per run"),
+        Gate("master around two empty FMUs", around - alone, 40.0, "ns",
+             beside=f"{around:.0f} ns per step, {alone:.0f} of them in the FMUs"),
+    ]  # fmt: skip
+
+
 def check_peer(bench: Bench) -> None:
     """Refuse to compare with a peer that is not the same plant.
 
@@ -119,7 +139,7 @@ def check_peer(bench: Bench) -> None:
 def measured(bench: Bench) -> list[Gate]:
     """Every gate, in the order of the table."""
     check_peer(bench)
-    return [*ratios(bench), *steps(bench), *starts(bench), *memory(bench)]
+    return [*ratios(bench), *steps(bench), *starts(bench), *memory(bench), *loops(bench)]
 
 
 def table(gates: list[Gate]) -> str:

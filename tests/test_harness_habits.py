@@ -130,13 +130,11 @@ def test_every_argument_is_explained() -> None:
 
 
 def test_a_reader_that_closes_the_pipe_ends_the_verb_quietly(tmp_path: Path) -> None:
-    command = (
-        f"{shlex.join([*HARNESS, 'completion', 'bash'])} | head -c 10; echo ${{PIPESTATUS[0]}}"
-    )
+    command = f"{shlex.join([*HARNESS, 'completion', 'bash'])} | true; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(
         ["bash", "-c", command], capture_output=True, text=True, check=True, cwd=tmp_path
     )
-    assert done.stdout[10:] == f"{cli.CLOSED_PIPE}\n"
+    assert done.stdout == f"{cli.CLOSED_PIPE}\n"
     assert done.stderr == ""
 
 

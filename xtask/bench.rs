@@ -1,5 +1,6 @@
 //! `cargo xtask bench`: performance gates against C FMUs, by `benches/run.py`.
 
+use crate::native;
 use crate::plan::Step;
 use crate::setup::{Package, Project};
 
@@ -11,6 +12,7 @@ pub fn steps(project: &Project, flags: &[&str]) -> Vec<Step> {
         project.system_packages(&[Package::Valgrind]),
         project.python_packages(),
         project.fmus(),
+        native::module(project),
         Step::commands("measure", vec![measure]),
     ]
 }

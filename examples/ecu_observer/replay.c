@@ -27,6 +27,11 @@ static void show(const dct_estimate *e)
            (int)e->engaged[1], (int)e->valid);
 }
 
+/* A difference of times without its rounding: equal steps are equal to the bit, as in the FMU. */
+static double picoseconds(double step) {
+    return (double)(int64_t)(step * 1e12 + 0.5) / 1e12;
+}
+
 int main(int count, char **words)
 {
     dct_vehicle vehicle;
@@ -54,7 +59,7 @@ int main(int count, char **words)
         if (!next(&sample, &time)) {
             return 0;
         }
-        said = dct_observer_step(&observer, &sample, time - last, &estimate);
+        said = dct_observer_step(&observer, &sample, picoseconds(time - last), &estimate);
         last = time;
     }
     fprintf(stderr, "replay: the observer says %d\n", (int)said);
