@@ -300,3 +300,56 @@ fn by_constraint_torque(
         _ => Mode::slipping(torque[i]),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Event, Load, Mode, resolve};
+    use crate::Params;
+    use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W};
+
+    /// Clutch 1 turns with its shaft and the damper pulls with less than what sticks.
+    fn at_zero_slip() -> (Systems, State, Load) {
+        let p = Params::TABLE_1;
+        let mut x = State::zeros();
+        (x[E], x[D], x[C], x[O], x[W]) = (90.0, 90.0, 90.0, 5.0, 5.0);
+        x[C + 1] = p.g([1, 2])[1] * x[O];
+        x[6] = 0.1; // 60 N·m in the damper
+        let torques = Torques::from([60.0, 0.0, 0.0, 0.0]);
+        let load = Load::new(&p, torques, [2500.0, 0.0], [1.0; 2], [true, false]);
+        (Systems::new(&p, [1, 2]), x, load)
+    }
+
+    #[test]
+    fn a_clutch_that_just_broke_away_may_not_stick_at_that_instant() {
+        let (systems, x, load) = at_zero_slip();
+        let before = [Mode::Stuck, Mode::Open];
+        let broken = Event {
+            broken: [true, false],
+            ..Event::default()
+        };
+        assert_eq!(
+            resolve(&systems, &x, &load, before, &Event::default()),
+            before
+        );
+        let after = resolve(&systems, &x, &load, before, &broken);
+        assert!(after[0].direction() != 0.0, "{after:?}");
+    }
+
+    #[test]
+    fn a_clutch_sticks_up_to_its_peak_and_slips_where_it_is_pulled() {
+        let (systems, x, mut load) = at_zero_slip();
+        let torque = systems.by_stuck[1].clutch_torque(&x, &load.torques)[0];
+        for (peak, mode) in [(1.001, Mode::Stuck), (0.999, Mode::Forward)] {
+            load.peak[0] = peak * torque;
+            load.kinetic[0] = 0.8 * torque;
+            let after = resolve(
+                &systems,
+                &x,
+                &load,
+                [Mode::Stuck, Mode::Open],
+                &Event::default(),
+            );
+            assert_eq!(after, [mode, Mode::Open]);
+        }
+    }
+}

@@ -86,3 +86,41 @@ impl Propagation {
         &self.of(p, coupling, step).systems
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::shelf::alone;
+    use super::{KEPT, Propagation};
+    use dct_driveline::Params;
+    use dct_driveline::coupling::Coupling;
+    use dct_driveline::integrate::Propagators;
+
+    fn place(propagation: &mut Propagation, step: f64) -> *const Propagators {
+        propagation.of(&Params::TABLE_1, Coupling::from([1, 2]), step)
+    }
+
+    #[test]
+    fn a_step_that_repeats_but_for_rounding_finds_its_propagators() {
+        let (_guard, mut propagation) = (alone(), Propagation::default());
+        let first = place(&mut propagation, 1e-2);
+        for step in [
+            0.009_999_999_999_999_8,
+            1e-2 * (1.0 + 9e-10),
+            1e-2 * (1.0 - 9e-10),
+        ] {
+            assert_eq!(place(&mut propagation, step), first, "{step} s");
+        }
+        assert_ne!(place(&mut propagation, 1e-2 * (1.0 + 2e-9)), first);
+    }
+
+    #[test]
+    fn four_step_sizes_in_turn_are_kept() {
+        let (_guard, mut propagation) = (alone(), Propagation::default());
+        let steps = [1e-3, 2e-3, 1.4e-3, 1e-2];
+        assert_eq!(steps.len(), KEPT);
+        let first = steps.map(|step| place(&mut propagation, step));
+        for _ in 0..3 {
+            assert_eq!(steps.map(|step| place(&mut propagation, step)), first);
+        }
+    }
+}

@@ -147,16 +147,23 @@ fn lock() -> MutexGuard<'static, Shelf> {
     SHELF.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Held by each test that uses the shelf, which is one for all.
+#[cfg(test)]
+pub(super) fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{SPARE, User, lock};
+    use super::{SPARE, User, alone, lock};
     use dct_driveline::Params;
     use dct_driveline::coupling::Coupling;
     use std::sync::Arc;
 
-    /// One test, because the shelf is one for all.
     #[test]
     fn equal_drivelines_share_and_the_last_user_empties_the_shelf() {
+        let _guard = alone();
         let (one, two) = (User::new(), User::new());
         let (gears, mut p) = (Coupling::from([1, 2]), Params::TABLE_1);
         let first = one.find(&p, gears, 1e-3);
