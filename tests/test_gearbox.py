@@ -109,6 +109,29 @@ def test_reverse_drives_backwards():
         assert abs(last["energy.residual"]) < 1e-6
 
 
+def test_a_gear_without_a_ratio_is_neutral_and_told(plant):
+    last = drive(plant, 0.1, 50, shaft1__gear=7)[-1]
+    assert not last["shaft1.synchronising"]
+    assert last["shaft1.torque"] == 0.0
+    told = "shaft1.gear = 7 has no ratio on shaft 1: neutral"
+    assert sum(told in text for text in texts(plant)) == 1
+
+
+def test_the_inertia_of_a_gear_slows_the_vehicle_down():
+    speeds = []
+    for inertia in (0.0, 0.05):
+        with Instance(PLANT) as plant:
+            plant.set("shaft1.gearInertia[1]", inertia)
+            plant.set("engine.torque", 60.0)
+            plant.set("clutch1.position", 9e-3)
+            plant.start()
+            speeds.append(drive(plant, 0.0, 500)[-1]["vehicle.speed"])
+    # rigid driveline: J_v + J_o + g² (J_e + J_d + J_ct) + g2² J_ct, seen at the wheel
+    seen = 134.6 + 0.04 + 18.0**2 * (0.745 + 0.0165 + 0.1) + 11.52**2 * 0.1
+    expected = 1.0 + 18.0**2 * 0.05 / seen
+    assert speeds[0] / speeds[1] == pytest.approx(expected, rel=2e-3)
+
+
 def test_a_gear_that_no_shaft_can_have_is_refused():
     with Instance(PLANT) as plant, pytest.raises(FMICallException):
-        plant.set("shaft1.gear", -2)
+        plant.set("shaft1.gear", 9)

@@ -4,7 +4,7 @@ use crate::ForceMap;
 use crate::friction::FrictionCurve;
 use crate::thermal::Thermal;
 
-/// Number of gears a shaft can carry.
+/// Number of forward gears a shaft can carry: eight gears and two reverse gears in all.
 pub const GEARS_PER_SHAFT: usize = 4;
 
 /// Everything the plant (1)-(11) and the observers need to know of one vehicle.
@@ -31,6 +31,10 @@ pub struct Params {
     pub i_t: [[f64; GEARS_PER_SHAFT]; 2],
     /// i_t of the reverse gear per shaft, ≥ 0: the output turns the other way; 0 where none is fitted [1].
     pub i_r: [f64; 2],
+    /// What every gear adds to J_ct while it is in, in the order of `i_t` [kg·m²].
+    pub j_gear: [[f64; GEARS_PER_SHAFT]; 2],
+    /// The same of the reverse gear per shaft [kg·m²].
+    pub j_r: [f64; 2],
     /// T_s: torque of a shaft's synchroniser while it rubs, seen at its input shaft [N·m].
     pub t_s: [f64; 2],
     /// i_f1, i_f2 of (8): final-drive ratio per shaft [1].
@@ -153,6 +157,8 @@ impl Params {
         c_t: [20.0, 20.0],
         i_t: [[3.0, 0.0, 0.0, 0.0], [2.4, 0.0, 0.0, 0.0]],
         i_r: [0.0, 0.0],
+        j_gear: [[0.0; GEARS_PER_SHAFT]; 2],
+        j_r: [0.0, 0.0],
         t_s: [100.0, 100.0],
         i_f: [6.0, 4.8],
         j_o: 0.04,
@@ -206,15 +212,36 @@ impl Params {
         if gear == Self::REVERSE {
             return self.i_r.get(shaft).map_or(0.0, |ratio| 0.0 - ratio);
         }
-        let position = usize::try_from(gear)
-            .ok()
-            .and_then(|gear| gear.checked_sub(shaft + 1));
-        match (position, self.i_t.get(shaft)) {
-            (Some(position), Some(gears)) if position.is_multiple_of(2) => {
-                gears.get(position / 2).copied().unwrap_or(0.0)
-            }
-            _ => 0.0,
+        of_gear(&self.i_t, shaft, gear)
+    }
+
+    /// What the gear that is in adds to J_ct of a shaft [kg·m²]; arguments as of [`Self::i_t`].
+    pub fn gear_inertia(&self, shaft: usize, gear: i32) -> f64 {
+        if gear == Self::REVERSE {
+            return self.j_r.get(shaft).copied().unwrap_or(0.0);
         }
+        of_gear(&self.j_gear, shaft, gear)
+    }
+
+    /// J_ct1, J_ct2 with what the gears that are in add [kg·m²], shape (2).
+    pub fn j_ct_in(&self, gear: [i32; 2]) -> [f64; 2] {
+        [0, 1].map(|shaft| self.j_ct[shaft] + self.gear_inertia(shaft, gear[shaft]))
+    }
+
+    /// The driveline while `gear` is in, shape (2): J_ct is all that turns with the shafts.
+    pub fn in_gears(&self, gear: [i32; 2]) -> Self {
+        Self {
+            j_ct: self.j_ct_in(gear),
+            j_gear: [[0.0; GEARS_PER_SHAFT]; 2],
+            j_r: [0.0; 2],
+            ..*self
+        }
+    }
+
+    /// Whether some gear adds to J_ct.
+    pub fn gears_add_inertia(&self) -> bool {
+        let mut all = self.j_gear.as_flattened().iter().chain(&self.j_r);
+        all.any(|inertia| *inertia != 0.0)
     }
 
     /// J_ed = J_e + J_d of (13) [kg·m²].
@@ -246,6 +273,19 @@ impl Params {
     /// `engaged`: index of the engaged clutch.
     pub fn j_v_eq(&self, g: [f64; 2], engaged: usize) -> f64 {
         self.j_v + self.j_out(g) + g[engaged] * g[engaged] * self.j_ed()
+    }
+}
+
+/// The entry of a forward gear in a table by shaft and position; 0 in neutral and for gears of the other shaft.
+fn of_gear(table: &[[f64; GEARS_PER_SHAFT]; 2], shaft: usize, gear: i32) -> f64 {
+    let position = usize::try_from(gear)
+        .ok()
+        .and_then(|gear| gear.checked_sub(shaft + 1));
+    match (position, table.get(shaft)) {
+        (Some(position), Some(gears)) if position.is_multiple_of(2) => {
+            gears.get(position / 2).copied().unwrap_or(0.0)
+        }
+        _ => 0.0,
     }
 }
 

@@ -83,7 +83,7 @@ pub struct Plant {
     pub temperature: [f64; 2],
     /// Work since the start.
     pub work: Work,
-    /// Energy stored at the start [J].
+    /// Energy stored at the start, and brought since then by the wheels of gears [J].
     pub stored_at_start: f64,
     /// The grade of the last step, so that its sine and cosine are not computed anew.
     pub(crate) grade: Grade,
@@ -262,7 +262,7 @@ impl Plant {
         for i in [0, 1] {
             if systems.rigid_ratio[i] != 0.0 {
                 let omega_c_dot = system.rate(C + i, x, &v);
-                t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+                t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - systems.storage[C + i] * omega_c_dot);
             }
             if self.synchroniser[i] != Mode::Open {
                 t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];

@@ -13,6 +13,9 @@
 //! out. A clutch that is pressed meanwhile turns the shaft against the synchroniser, which lets go: the
 //! shaft is in neutral, and is synchronised anew when the clutch is open again.
 //!
+//! The wheels of a gear may add to J_ct while it is in. They turn with the output before and after, so they
+//! come and go with the speed and the energy that they have.
+//!
 //! Deviation: the paper changes no gears. See PAPER.md.
 
 use nalgebra::{Matrix2, SMatrix, SVector};
@@ -74,7 +77,7 @@ impl Plant {
     #[cold]
     #[inline(never)]
     fn take_out(&mut self, p: &Params, gear: [i32; 2]) {
-        let (before, g) = (self.stored_energy(p), p.g(gear));
+        let (before, g) = (self.energies(p), p.g(gear));
         let changed = [0, 1].map(|i| gear[i] != self.gear[i]);
         for i in (0..2).filter(|i| changed[*i]) {
             (self.gear[i], self.modes[i]) = (gear[i], Mode::Open);
@@ -86,7 +89,7 @@ impl Plant {
                 Mode::slipping(difference)
             };
         }
-        self.work.synchroniser += before - self.stored_energy(p);
+        self.book_change(p, before);
         let turns_alike = |i: usize| (self.x[C + i] - g[i] * self.x[O]).abs() <= ZERO_SLIP;
         let alike = [0, 1].map(|i| changed[i] && g[i] != 0.0 && turns_alike(i));
         if alike != [false; 2] {
@@ -99,18 +102,29 @@ impl Plant {
     #[cold]
     #[inline(never)]
     pub(crate) fn put_in(&mut self, p: &Params, synchronised: [bool; 2]) {
-        let (before, coupling) = (self.stored_energy(p), self.coupling());
+        let (before, coupling) = (self.energies(p), self.coupling());
         let rows = self.constraints(p, synchronised);
         self.pull_together(&mobility(p, coupling), &rows);
         for i in (0..2).filter(|i| synchronised[*i]) {
             self.synchroniser[i] = Mode::Open;
         }
         self.hold_ratios(rigid_ratio(p, self.coupling()));
-        self.work.synchroniser += before - self.stored_energy(p);
+        self.book_change(p, before);
     }
 
-    fn stored_energy(&self, p: &Params) -> f64 {
-        stored_energy(p, self.coupling(), &self.x)
+    /// Stored energy, and that of the wheels of gears that are in [J].
+    fn energies(&self, p: &Params) -> [f64; 2] {
+        let gear = self.gear_in();
+        let of = |i: usize| 0.5 * p.gear_inertia(i, gear[i]) * self.x[C + i] * self.x[C + i];
+        [stored_energy(p, self.coupling(), &self.x), of(0) + of(1)]
+    }
+
+    /// Books what a change cost; wheels come and go with the energy that they have.
+    fn book_change(&mut self, p: &Params, [stored, wheels]: [f64; 2]) {
+        let [stored_now, wheels_now] = self.energies(p);
+        let brought = wheels_now - wheels;
+        self.stored_at_start += brought;
+        self.work.synchroniser += stored + brought - stored_now;
     }
 
     /// What holds at once: ω_ci = g_i ω_o where a gear comes in, ω_d = ω_ci where a clutch is engaged.

@@ -142,7 +142,7 @@ impl Systems {
             by_stuck: [stuck(0), stuck(1), stuck(2), stuck(3)],
             spring_torque: spring_torque(&springs),
             viscous: viscous(&springs),
-            storage: storage(p, &springs),
+            storage: storage(p, coupling, &springs),
         }
     }
 
@@ -169,6 +169,7 @@ fn synchroniser_ratio(p: &Params, coupling: Coupling) -> [f64; 2] {
 
 /// W: accelerations = W·(torques on the six inertias), shape (6, 6).
 pub(crate) fn mobility(p: &Params, coupling: Coupling) -> SMatrix<f64, SPEEDS, SPEEDS> {
+    let p = &p.in_gears(coupling.gear_in());
     let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
     let mut mobility = SMatrix::from_diagonal(&SVector::from(j.map(|j| 1.0 / j)));
     if coupling.held {

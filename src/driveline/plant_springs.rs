@@ -16,7 +16,7 @@ pub(crate) struct Spring {
 
 /// Kinetic and elastic energy [J] without a [`Systems`] at hand.
 pub(crate) fn stored_energy(p: &Params, coupling: Coupling, x: &State) -> f64 {
-    let storage = storage(p, &springs(p, coupling.gear_in()));
+    let storage = storage(p, coupling, &springs(p, coupling.gear_in()));
     0.5 * storage.dot(&x.component_mul(x))
 }
 
@@ -80,9 +80,10 @@ pub(crate) fn viscous(springs: &[Spring; 4]) -> SMatrix<f64, STATES, STATES> {
     form
 }
 
-pub(crate) fn storage(p: &Params, springs: &[Spring; 4]) -> State {
+pub(crate) fn storage(p: &Params, coupling: Coupling, springs: &[Spring; 4]) -> State {
     let [damper, shaft_1, shaft_2, drive] = springs.map(|spring| spring.k);
-    let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
+    let j_ct = p.j_ct_in(coupling.gear_in());
+    let j = [p.j_e, p.j_d, j_ct[0], j_ct[1], p.j_o, p.j_v];
     State::from([
         j[0], j[1], j[2], j[3], j[4], j[5], damper, shaft_1, shaft_2, drive,
     ])

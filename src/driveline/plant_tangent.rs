@@ -70,7 +70,7 @@ impl Plant {
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(dx);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
             let omega_c_dot = system.rate(C + i, dx, &dv);
-            t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - p.j_ct[i] * omega_c_dot);
+            t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - systems.storage[C + i] * omega_c_dot);
         }
         Output {
             omega_e: dx[E],

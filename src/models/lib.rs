@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod clutch_control;
+mod gears;
 mod observer;
 mod plant;
 pub mod ports;

@@ -184,9 +184,21 @@ impl Plant {
         }
         self.refused = self.gear;
         if granted != self.state.gear {
+            self.tell_neutral(granted, time, log);
             log.event(format_args!(
                 "t = {time} s: gears {:?} become {granted:?}",
                 self.state.gear
+            ));
+        }
+    }
+
+    /// Logs gears that are not there.
+    fn tell_neutral(&self, gear: [i32; 2], time: f64, log: &mut Log<'_>) {
+        let g = self.p.g(gear);
+        for i in (0..2).filter(|i| gear[*i] != 0 && g[*i] == 0.0) {
+            log.warning(format_args!(
+                "t = {time} s: shaft{0}.gear = {1} has no ratio on shaft {0}: neutral; give it one, or choose a gear that is fitted",
+                i + 1, gear[i]
             ));
         }
     }
@@ -250,8 +262,9 @@ impl Model for Plant {
         step: 1e-3,
     };
 
-    fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
+    fn initialize(&mut self, time: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         self.consistent()?;
+        self.tell_neutral(self.gear, time, log);
         self.refused = self.gear;
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);

@@ -2,7 +2,6 @@
 
 use dct_driveline::Params;
 use dct_driveline::clutch::MAP_POINTS;
-use dct_driveline::params::GEARS_PER_SHAFT;
 use fmi2_cosim::{Failure, Unit, Variable};
 
 /// A model with parameters of the vehicle.
@@ -15,7 +14,7 @@ pub(crate) trait Vehicle: 'static {
 pub(crate) const POSITIVE: f64 = 1e-9;
 
 /// A parameter that has to be above zero.
-const fn positive<M: Vehicle>(
+pub(crate) const fn positive<M: Vehicle>(
     name: &'static str,
     unit: Unit,
     field: fn(&mut M) -> &mut f64,
@@ -25,7 +24,7 @@ const fn positive<M: Vehicle>(
 }
 
 /// A parameter that may be zero.
-const fn not_negative<M: Vehicle>(
+pub(crate) const fn not_negative<M: Vehicle>(
     name: &'static str,
     unit: Unit,
     field: fn(&mut M) -> &mut f64,
@@ -172,83 +171,6 @@ pub(crate) const fn compliance<M: Vehicle>() -> [Variable<M>; 7] {
             "Transfer shafts are rigid: omega_ci = g_i omega_o, their stiffness and damping are not used",
         ),
     ]
-}
-
-/// Ratios and inertia of shaft `I`.
-pub(crate) const fn shaft<M: Vehicle, const I: usize>() -> [Variable<M>; 3 + GEARS_PER_SHAFT] {
-    let names = [
-        [
-            "shaft1.finalDriveRatio",
-            "clutch1.inertia",
-            "shaft1.reverseRatio",
-        ],
-        [
-            "shaft2.finalDriveRatio",
-            "clutch2.inertia",
-            "shaft2.reverseRatio",
-        ],
-    ][I];
-    [
-        positive(
-            names[0],
-            Unit::ONE,
-            |m: &mut M| &mut m.params().i_f[I],
-            "i_f of (8): final-drive ratio of this shaft",
-        ),
-        positive(
-            names[1],
-            Unit::KILOGRAM_SQUARE_METRE,
-            |m: &mut M| &mut m.params().j_ct[I],
-            "J_ct of (4), (5): inertia of input and transfer shaft, seen at the clutch",
-        ),
-        gear::<M, I, 0>(),
-        gear::<M, I, 1>(),
-        gear::<M, I, 2>(),
-        gear::<M, I, 3>(),
-        not_negative(
-            names[2],
-            Unit::ONE,
-            |m: &mut M| &mut m.params().i_r[I],
-            "i_t of the reverse gear, which turns the output the other way; 0: none",
-        ),
-    ]
-}
-
-const fn gear<M: Vehicle, const I: usize, const K: usize>() -> Variable<M> {
-    let name = [
-        [
-            "shaft1.gearRatio[1]",
-            "shaft1.gearRatio[2]",
-            "shaft1.gearRatio[3]",
-            "shaft1.gearRatio[4]",
-        ],
-        [
-            "shaft2.gearRatio[1]",
-            "shaft2.gearRatio[2]",
-            "shaft2.gearRatio[3]",
-            "shaft2.gearRatio[4]",
-        ],
-    ][I][K];
-    let description = [
-        [
-            "i_t of gear 1",
-            "i_t of gear 3",
-            "i_t of gear 5",
-            "i_t of gear 7",
-        ],
-        [
-            "i_t of gear 2",
-            "i_t of gear 4",
-            "i_t of gear 6",
-            "i_t of gear 8",
-        ],
-    ][I][K];
-    not_negative(
-        name,
-        Unit::ONE,
-        |m: &mut M| &mut m.params().i_t[I][K],
-        description,
-    )
 }
 
 /// Actuator of clutch `I`: effective radius and force-position map (Fig. 6).

@@ -71,12 +71,18 @@ impl Observer for Selected {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self::new(self.method);
         self.shift.start(sample);
-        self.acting().start(p, settings, sample)
+        self.acting()
+            .start(&p.in_gears(sample.gear), settings, sample)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
         let sample = self.shift.step(p, sample);
-        self.acting().step(p, settings, &sample, h)
+        if p.gears_add_inertia() {
+            self.acting()
+                .step(&p.in_gears(sample.gear), settings, &sample, h)
+        } else {
+            self.acting().step(p, settings, &sample, h)
+        }
     }
 
     fn visit(&mut self, visit: Visit<'_>) {

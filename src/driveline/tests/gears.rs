@@ -23,22 +23,19 @@ const COAST: Input = Input {
     ..DRIVE
 };
 
-/// Compliant, rigid, and with friction that varies with the slip.
-fn variants() -> [Params; 3] {
-    [(false, false), (true, false), (false, true)].map(|(rigid, fades)| {
-        let mut p = Params {
-            rigid,
-            i_t: [TWO_ODD_GEARS, Params::TABLE_1.i_t[1]],
-            ..Params::TABLE_1
-        };
-        if fades {
-            for clutch in &mut p.clutch {
-                clutch.curve.slip = [0.0, 50.0, 100.0, 200.0, 400.0];
-                clutch.curve.factor = [1.1, 1.0, 0.9, 0.8, 0.7];
-            }
-        }
-        p
-    })
+/// Compliant, rigid, with friction that varies with the slip, with gears that have inertia.
+fn variants() -> [Params; 4] {
+    let [mut plain, mut rigid, mut fades, mut heavy] = [Params::TABLE_1; 4];
+    for p in [&mut plain, &mut rigid, &mut fades, &mut heavy] {
+        p.i_t[0] = TWO_ODD_GEARS;
+    }
+    rigid.rigid = true;
+    for clutch in &mut fades.clutch {
+        clutch.curve.slip = [0.0, 50.0, 100.0, 200.0, 400.0];
+        clutch.curve.factor = [1.1, 1.0, 0.9, 0.8, 0.7];
+    }
+    heavy.j_gear = [[0.02, 0.05, 0.0, 0.0], [0.03, 0.0, 0.0, 0.0]];
+    [plain, rigid, fades, heavy]
 }
 
 /// A run that can be gone on with.
@@ -255,4 +252,28 @@ fn standing_shafts_take_their_gears_at_once() {
     };
     plant.step(&p, &mut propagators, &gear, &InputRate::default());
     assert_eq!(plant.gear_in(), [1, 2]);
+}
+
+/// What a gear adds while it is in is inertia of its shaft like any other.
+#[test]
+fn inertia_of_a_gear_turns_with_its_shaft() {
+    for rigid in [false, true] {
+        let p = Params {
+            rigid,
+            ..Params::TABLE_1
+        };
+        let (mut gear, mut shaft) = (p, p);
+        (gear.j_gear[0][0], gear.j_r[1]) = (0.05, 7.0);
+        shaft.j_ct[0] += 0.05;
+        let [of_gear, of_shaft] = [gear, shaft].map(|p| {
+            let mut run = Run::new(&p, &DRIVE);
+            run.go(&DRIVE, 500);
+            run.plant.outputs(&p, &run.propagators.systems, &DRIVE)
+        });
+        assert_eq!(of_gear, of_shaft);
+        let mut run = Run::new(&p, &DRIVE);
+        run.go(&DRIVE, 500);
+        let light = run.plant.outputs(&p, &run.propagators.systems, &DRIVE);
+        assert!(light.omega_w > of_gear.omega_w);
+    }
 }

@@ -4,9 +4,10 @@ mod calibration;
 mod gains;
 
 use super::Observer;
+use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
 use crate::rows::table;
-use crate::vehicle::{actuator, driveline, road, shaft};
+use crate::vehicle::{actuator, driveline, road};
 use dct_driveline::observer::{Method, Phase};
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
@@ -182,7 +183,7 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Observer>; 4] {
             ][I],
         )
         .min(-1.0)
-        .max(8.0),
+        .max(HIGHEST_GEAR),
     ]
 }
 

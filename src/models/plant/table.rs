@@ -4,9 +4,10 @@ use super::Plant;
 use super::lining::lining;
 use super::losses::LOSSES;
 use super::thermal::{thermal, thermal_outputs};
+use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
 use crate::rows::table;
-use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road, shaft};
+use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road};
 use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
@@ -123,7 +124,7 @@ const fn clutch_inputs<const I: usize>() -> [Variable<Plant>; 3] {
             ][I],
         )
         .min(-1.0)
-        .max(8.0),
+        .max(HIGHEST_GEAR),
     ]
 }
 
