@@ -6,6 +6,7 @@
 //! ```
 
 mod audit;
+mod container;
 mod native;
 mod parsed;
 mod replay;
@@ -146,6 +147,7 @@ pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
     if fs::read(&file).is_ok_and(|bytes| bytes.starts_with(BYTE_ORDER_MARK.as_bytes())) {
         report.error("2.2", "modelDescription.xml begins with a byte order mark");
     }
+    container::check(path, &mut report)?;
     rules::check(&description, &mut report);
     roles::check(&description, &mut report);
     audit::check(unpacked.folder(), glibc, &mut report)?;
