@@ -141,12 +141,6 @@ impl Plant {
         plant
     }
 
-    /// Modes of clutch 1, clutch 2, brake, synchroniser 1 and synchroniser 2, shape (5).
-    pub fn all_modes(&self) -> [Mode; 5] {
-        let ([one, two], [three, four]) = (self.modes, self.synchroniser);
-        [one, two, self.brake, three, four]
-    }
-
     /// Advances the plant by the communication step of `ladders`.
     ///
     /// `input`: inputs at the start of the step. `rate`: their derivatives over it.
@@ -397,14 +391,5 @@ impl Plant {
         self.x = block.x_end;
         self.hold_ratios(systems.rigid_ratio);
         project(systems, stuck_set(self.modes), &mut self.x);
-    }
-
-    /// Keeps ω_ci = g_i ω_o of rigid transfer shafts exact.
-    pub(crate) fn hold_ratios(&mut self, rigid_ratio: [f64; 2]) {
-        for (i, ratio) in rigid_ratio.into_iter().enumerate() {
-            if ratio != 0.0 {
-                self.x[C + i] = ratio * self.x[O];
-            }
-        }
     }
 }

@@ -51,6 +51,12 @@ impl Plant {
         })
     }
 
+    /// Modes of clutch 1, clutch 2, brake, synchroniser 1 and synchroniser 2, shape (5).
+    pub fn all_modes(&self) -> [Mode; 5] {
+        let ([one, two], [three, four]) = (self.modes, self.synchroniser);
+        [one, two, self.brake, three, four]
+    }
+
     /// Gears that are in, shape (2); 0 in neutral and while a synchroniser rubs.
     pub fn gear_in(&self) -> [i32; 2] {
         self.coupling().gear_in()
@@ -183,5 +189,14 @@ impl Plant {
         v[1] += one;
         v[2] += two;
         v
+    }
+
+    /// Keeps ω_ci = g_i ω_o of rigid transfer shafts exact.
+    pub(crate) fn hold_ratios(&mut self, rigid_ratio: [f64; 2]) {
+        for (i, ratio) in rigid_ratio.into_iter().enumerate() {
+            if ratio != 0.0 {
+                self.x[C + i] = ratio * self.x[O];
+            }
+        }
     }
 }
