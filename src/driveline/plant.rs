@@ -25,10 +25,7 @@
 //! # Events
 //!
 //! Guards (`plant_block.rs`) end a block; a block that may hide an event is cut until a tick holds it.
-//! What an event finds is at most a tick old: a slip of one tick of relative acceleration, removed by an
-//! impulse that keeps momentum; a torque above its capacity by one tick of its rate. After the event
-//! [`resolve`] takes the modes that are consistent. A step holds up to 32
-//! events; if there are more its rest is one smooth piece, which bounds the work of a step.
+//! A step holds up to 32 events; if there are more its rest is one smooth piece, which bounds its work.
 //!
 //! An ordinary step asks none of this: `plant_quiet.rs` takes it at the top rung where both ends of each
 //! guard are clear, and gives the same numbers to round-off.

@@ -8,6 +8,10 @@
 //! end. The tangents bound every dip that is convex. A guard that swings more than once within a block can
 //! hide a dip from them; half a period of the fastest oscillation of Table 1 (211 rad/s) is 15 ms, so steps of
 //! 10 ms and less see every one.
+//!
+//! What an event finds is at most a tick old: a slip of one tick of relative acceleration, removed by an
+//! impulse that keeps momentum; a torque above its capacity by one tick of its rate. After the event
+//! [`resolve`](crate::plant_modes::resolve) takes the modes that are consistent.
 
 use crate::Params;
 use crate::integrate::{Augmented, Motion, Rung};
