@@ -16,7 +16,7 @@
 mod bench;
 
 use bench::sensors::{delayed, dropping, encoder, noisy, perfect, torque_error, wheel_bias};
-use bench::{Drive, observe, scenarios};
+use bench::{Drive, faded, observe, scenarios};
 use dct_driveline::Params;
 use dct_driveline::observer::{Method, Sample, Selected, Settings};
 
@@ -105,8 +105,22 @@ fn print(drive: &Drive) {
     }
 }
 
+/// Every drive without an error.
+fn print_drives() {
+    let names = Method::ALL.map(|method| format!("{method:?}").to_lowercase());
+    println!("\n| no error | {} |", names.join(" | "));
+    println!("| --- | --- | --- | --- | --- | --- |");
+    let more = [faded::fading(), faded::dry_7()];
+    for scenario in more.into_iter().chain(scenarios::unseen()) {
+        let drive = scenario.drive(H);
+        let cells = Method::ALL.map(|method| cell(method, &drive, &ERRORS[0]));
+        println!("| {} | {} |", drive.name, cells.join(" | "));
+    }
+}
+
 fn main() {
     for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(2)] {
         print(&scenario.drive(H));
     }
+    print_drives();
 }

@@ -121,7 +121,7 @@ impl Adaptive {
     }
 
     /// Advances by `h` [s] with the gains that `design` gives for the model of the gears at hand and
-    /// that of the lowest gears.
+    /// that of the lowest gears of Table 1.
     pub fn step(
         &mut self,
         p: &Params,
@@ -174,10 +174,10 @@ impl Adaptive {
         design: impl FnOnce(&Reduced, &Reduced) -> Design,
     ) -> Now {
         let model = Reduced::referred_to(p, p.g(sample.gear), self.g[1], p.c_o);
-        let lowest = lowest_ratios(p);
-        let reference = Reduced::referred_to(p, lowest, lowest[1], p.c_o);
+        let table = Params::TABLE_1;
+        let reference = Reduced::new(&table, lowest_ratios(&table), table.c_o);
         let mut design = design(&model, &reference);
-        let scale = gear_scale(&model, &reference);
+        let scale = gain_scale(p, &model, &reference);
         design.l_c = [0, 1].map(|i| design.l_c[i] * scale[i]);
         Now {
             levers: [0, 1].map(|i| Lever::new(p, sample, i)),
@@ -357,14 +357,16 @@ impl Adaptive {
     }
 }
 
-/// Factor on L_c for the gears at hand [1], shape (2); 1 for the lowest pair, which the gains are given for.
+/// Factor on L_c for the gears and the vehicle at hand [1], shape (2); 1 for those of Table 1, which the gains
+/// are given for.
 ///
-/// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral or a higher
-/// gear leaves less inertia at the output; at 100 Hz the same L_c would lose stability.
-fn gear_scale(model: &Reduced, reference: &Reduced) -> [f64; 2] {
-    let (a, of_lowest) = (model.a_slip(), reference.a_slip());
+/// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral, a higher gear or a
+/// lighter gearbox leaves less inertia at the output; the same L_c would lose stability.
+fn gain_scale(p: &Params, model: &Reduced, reference: &Reduced) -> [f64; 2] {
+    let (a, of_table) = (model.a_slip(), reference.a_slip());
     [0, 1].map(|i| {
-        let less = (of_lowest[i] / a[i]).min(1.0);
+        let radius = Params::TABLE_1.clutch[i].r_c_n / p.clutch[i].r_c_n;
+        let less = (of_table[i] / a[i] * radius).min(1.0);
         less * less
     })
 }

@@ -13,7 +13,7 @@
 mod bench;
 
 use bench::sensors::{noisy, perfect};
-use bench::{Drive, Score, observe, scenarios};
+use bench::{Drive, Score, faded, observe, scenarios};
 use dct_driveline::observer::{Fault, Method, Observer, Sample, Selected, Settings};
 
 /// Speed noise of the accuracy limits [rad/s].
@@ -78,6 +78,22 @@ fn the_paper_observer_is_within_its_limits_on_drives_by_chance() {
     for seed in [1, 2, 3, 5] {
         let drive = scenarios::random(seed).drive(1e-3);
         check(Method::Paper, &drive, 0.0, [12.0, 15.0, 3.5]);
+    }
+}
+
+/// Friction that falls with slip and heat, and a box with a tenth of the inertia, whose gains are those of Table 1.
+#[test]
+fn methods_hold_on_a_fading_friction_and_on_another_box() {
+    let fading = faded::fading().drive(1e-3);
+    let dry_7 = faded::dry_7().drive(1e-3);
+    check(Method::Paper, &fading, 0.0, [12.0, 15.0, 3.5]);
+    check(Method::Energy, &fading, 0.0, [6.5, 6.5, 3.0]);
+    check(Method::Paper, &dry_7, 0.0, [12.0, 15.0, 5.0]);
+    check(Method::Lyapunov, &dry_7, 0.0, [15.0, 15.0, 10.0]);
+    check(Method::Energy, &dry_7, 0.0, [6.5, 6.5, 3.0]);
+    for method in [Method::Kalman, Method::Calibrating] {
+        check(method, &fading, 0.0, [3.0, 3.0, 1.5]);
+        check(method, &dry_7, 0.0, [4.0, 4.0, 2.1]);
     }
 }
 

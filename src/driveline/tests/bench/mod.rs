@@ -1,5 +1,6 @@
 //! The exact plant driven through scripted scenarios, its sensors, and the score of an observer.
 
+pub mod faded;
 mod random;
 pub mod scenarios;
 pub mod sensors;

@@ -1,0 +1,41 @@
+//! The paper's drive with friction that changes, and on another box.
+
+use super::Scenario;
+use super::scenarios::paper;
+use dct_driveline::Params;
+use dct_driveline::friction::FrictionCurve;
+use dct_driveline::thermal::Thermal;
+
+/// Friction falls by 15 % with the slip and by a third with 100 K: `assumed:` a lining that is not good.
+pub fn fading() -> Scenario {
+    let mut scenario = paper();
+    scenario.name = "friction fades".to_string();
+    for clutch in &mut scenario.p.clutch {
+        clutch.curve = FrictionCurve {
+            slip: [0.0, 10.0, 30.0, 60.0, 120.0],
+            factor: [1.0, 0.97, 0.93, 0.88, 0.85],
+        };
+        let mut thermal = Thermal {
+            capacity: 400.0,
+            conductance: 5.0,
+            ..Thermal::OFF
+        };
+        let points = thermal.temperature.len();
+        for k in 0..points {
+            let share = k as f64 / (points - 1) as f64;
+            thermal.temperature[k] = thermal.ambient + 100.0 * share;
+            thermal.factor[k] = 1.0 - share / 3.0;
+        }
+        clutch.thermal = thermal;
+    }
+    scenario
+}
+
+/// The same positions and torques on the seven-speed box.
+pub fn dry_7() -> Scenario {
+    Scenario {
+        name: "dry7".to_string(),
+        p: Params::DRY_7,
+        ..paper()
+    }
+}
