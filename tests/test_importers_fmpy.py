@@ -57,17 +57,23 @@ def test_simulate_fmu_runs_it_alone(model: str) -> None:
     assert all(np.isfinite(whole[name]).all() for name in whole.dtype.names)
 
 
+HEAT = {f"clutch{i}.{name}": value for i in (1, 2)
+        for name, value in (("thermal.capacity", 5e3), ("thermal.conductance", 50.0),
+                            ("specificWear", 1e-14))}  # fmt: skip
+
+
 @every_model
 def test_every_real_output_moves(model: str) -> None:
     """What the importers are compared with is a run in which something happens.
 
-    Some outputs of the observer belong to the method `calibrating` alone, some of the plant to a
-    gear that is preselected.
+    Some outputs of the observer belong to the method `calibrating` alone, some of the plant to the
+    brake, to heat, or to a gear that is preselected.
     """
     still = _still(model, {})
     if model == "DctObserver":
         still &= _still(model, {"observer.method": 5})
     if model == "DctPlant":
+        still &= _still(model, {"brake.torque": 50.0} | HEAT)
         still -= _moved_by_a_gear()
     assert still == set()
 
