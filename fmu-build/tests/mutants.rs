@@ -200,8 +200,8 @@ const MUTANTS: &[(&str, &str, &str)] = &[
         "is above max",
     ),
     (
-        "<Integer min=\"0\" max=\"8\" start=\"1\"/>",
-        "<Integer min=\"0\" max=\"8\" start=\"9\"/>",
+        "<Integer min=\"-1\" max=\"8\" start=\"1\"/>",
+        "<Integer min=\"-1\" max=\"8\" start=\"9\"/>",
         "start = 9 is outside",
     ),
     (
