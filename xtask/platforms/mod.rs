@@ -4,7 +4,7 @@
 mod compiler;
 mod replay;
 
-use crate::plan::Step;
+use crate::plan::{Failure, Step};
 use crate::setup::Project;
 use compiler::{Compiler, WINDOWS};
 use std::process::Command;
@@ -34,7 +34,16 @@ pub fn steps(project: &Project, build_std: bool) -> Vec<Step> {
         Step::commands("importers in C for qemu and wine", importers(project)),
         replay::step(),
         Step::commands("loads of the library for Windows", loads()),
+        Step::new("darwin64, aarch64-darwin", say_what_is_not_done),
     ]
+}
+
+/// Nothing here links or runs code for macOS.
+fn say_what_is_not_done() -> Result<(), Failure> {
+    println!(
+        "      not done: they need Apple's SDK; `cargo fmu merge` adds libraries built on a Mac"
+    );
+    Ok(())
 }
 
 fn zig(project: &Project) -> Command {
