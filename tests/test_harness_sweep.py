@@ -201,12 +201,18 @@ def test_unknown_parameter_ends_the_sweep_with_2(lag_dir: Path, tmp_path: Path) 
     assert "Did you mean 'tau'?" in done.stderr
 
 
+def _hear_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_ctrl_c_keeps_the_runs_so_far(lag_dir: Path, tmp_path: Path) -> None:
     system = write_system(tmp_path)
     command = [*HARNESS, "sweep", system, "--fmu-dir", lag_dir, "--out", tmp_path / "out",
                "--runs", "100000", "-v", "--vary", "plant.tau=uniform(1,2)"]  # fmt: skip
+    # Tests that a shell started in the background have SIGINT ignored, and would pass that on.
     with subprocess.Popen(command, env=environment(tmp_path), stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as process:  # fmt: skip
+                          stderr=subprocess.PIPE, text=True,
+                          preexec_fn=_hear_ctrl_c) as process:  # fmt: skip
         process.stdout.readline()
         process.send_signal(signal.SIGINT)
         process.communicate()
