@@ -20,7 +20,8 @@ LIMIT = '[[kpis]]\nkpi = "{}"\nsignal = "clutch1.torque"\n{}\n'
     ("step = 0.001", "steps = 0.001", "3:1: system: Additional properties are not allowed "
      "('steps' was unexpected). Did you mean 'step'?"),
     ("step = 0.001", "step = 0.001\nzz = 1", "4:1: system: Additional properties are not allowed "
-     "('zz' was unexpected). Known here: name, title, step, coupling, interpolate, stop, scenario."),
+     "('zz' was unexpected). Known here: name, title, step, coupling, interpolate, stop, "
+     "scenario."),
     ("step = 0.001\n", "", "1:1: system: 'step' is a required property. "
      "Add step = … (communication step [s])."),
     ("stop = 1.0", "stop = 'long'", "4:1: system.stop: 'long' is not of type 'number'. "
