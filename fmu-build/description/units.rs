@@ -94,8 +94,6 @@ fn element(unit: &Unit) -> Result<UnitElement> {
     })
 }
 
-// serde hands a reference.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_zero(exponent: &i8) -> bool {
-    *exponent == 0
+fn is_zero<T: PartialEq + Default>(exponent: &T) -> bool {
+    *exponent == T::default()
 }

@@ -45,6 +45,7 @@ use crate::coupling::Coupling;
 use crate::plant_matrices::Systems;
 pub use crate::rung::{Augmented, Motion, Rung};
 use crate::rung_builder::{Builder, active};
+use nalgebra::SMatrix;
 
 /// Levels of the ladder below a whole step: events are located to h/4^LADDER.
 pub const LADDER: usize = 6;
@@ -130,14 +131,17 @@ impl Propagators {
     }
 }
 
+/// The larger of ‖A‖_1 and ‖A‖_∞ [1/s], without a copy of the matrix on the stack.
+fn norm<const N: usize>(a: &SMatrix<f64, N, N>) -> f64 {
+    let sum = |row: &mut dyn Iterator<Item = &f64>| row.map(|entry| entry.abs()).sum::<f64>();
+    let rows = a.row_iter().map(|row| sum(&mut row.iter()));
+    let columns = a.column_iter().map(|column| sum(&mut column.iter()));
+    rows.chain(columns).fold(0.0, f64::max)
+}
+
 fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h: f64) {
     let system = &systems.by_stuck[set];
-    let norm = system
-        .a
-        .abs()
-        .row_sum()
-        .amax()
-        .max(system.a.abs().column_sum().amax());
+    let norm = norm(&system.a);
     let mut below = 0;
     let mut t = h / f64::from(TICKS);
     while norm * t > SERIES_REACH {

@@ -8,7 +8,6 @@ use crate::{Access, Causality, Variable};
 /// For a name that is empty or used twice, `min` above `max`, an output without `depends_on`, a
 /// dependency that is no variable, a rate of anything but a Real input, and a slope of anything
 /// but a Real output.
-#[allow(clippy::panic)] // evaluated by the compiler: the panic is its error message
 pub const fn check<M>(rows: &[Variable<M>]) {
     let mut index = 0;
     while index < rows.len() {

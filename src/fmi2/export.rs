@@ -15,7 +15,7 @@ macro_rules! export {
             use $crate::ffi::{self, Status};
 
             type M = $model;
-            static FMU: ffi::Library<M> = ffi::Library::new();
+            static FMU: ffi::Library<M> = ffi::Library::empty();
 
             #[unsafe(no_mangle)]
             pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {

@@ -129,8 +129,7 @@ impl<M: Model> Component<M> {
 impl<M: Model> Library<M> {
     /// A library without instances.
     #[must_use]
-    #[allow(clippy::new_without_default)] // it is made in a constant
-    pub const fn new() -> Self {
+    pub const fn empty() -> Self {
         Self {
             instances: Table::new(),
             states: Table::new(),

@@ -122,7 +122,7 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    /// `fmi2GetXXX`: the values, in the order of their references.
+    /// `fmi2GetReal` and its kin: the values, in the order of their references.
     ///
     /// Outputs are computed first when something was set since. Everything is checked before the
     /// first value is handed out.
@@ -150,7 +150,7 @@ impl<M: Model> Instance<M> {
         Ok(references.iter().filter_map(value))
     }
 
-    /// `fmi2SetXXX`: checks everything, then writes everything.
+    /// `fmi2SetReal` and its kin: checks everything, then writes everything.
     ///
     /// # Errors
     /// For a reference of another type or one that is there twice, a row that may not be set now, and

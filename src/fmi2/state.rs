@@ -47,8 +47,7 @@ macro_rules! calls {
     ($($call:ident: $states:expr;)*) => {
         /// The functions whose legality depends on the state; named as in FMI without `fmi2`.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[allow(missing_docs)] // the names are those of the standard
-        pub enum Call { $($call,)* }
+        pub enum Call { $(#[doc = concat!("`fmi2", stringify!($call), "`.")] $call,)* }
 
         impl Call {
             /// Every call.

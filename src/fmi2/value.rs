@@ -2,7 +2,7 @@
 
 use crate::{Access, Call, Causality, Error, State, Variability, Variable};
 
-/// A type that `fmi2GetXXX` and `fmi2SetXXX` move: `f64`, `i32` or `bool`.
+/// A type that the getters and setters of FMI move: `f64`, `i32` or `bool`.
 pub trait Value: Copy + 'static {
     /// FMI's name of the type.
     const KIND: &'static str;

@@ -5,9 +5,9 @@ use dct_models::{ClutchControl, Observer, Plant};
 use fmi2_cosim::ffi::Library;
 use fmu_fuzz::importer;
 
-static PLANT: Library<Plant> = Library::new();
-static OBSERVER: Library<Observer> = Library::new();
-static CONTROL: Library<ClutchControl> = Library::new();
+static PLANT: Library<Plant> = Library::empty();
+static OBSERVER: Library<Observer> = Library::empty();
+static CONTROL: Library<ClutchControl> = Library::empty();
 
 libfuzzer_sys::fuzz_target!(|script: &[u8]| {
     let Some((model, script)) = script.split_first() else {

@@ -12,7 +12,7 @@
     reason = "a program on the bench of the tests"
 )]
 
-#[path = "../tests/bench/mod.rs"]
+#[path = "../tests/drives/bench/mod.rs"]
 mod bench;
 
 use bench::sensors::{delayed, dropping, encoder, noisy, perfect, torque_error, wheel_bias};

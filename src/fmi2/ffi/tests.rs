@@ -47,7 +47,7 @@ impl Model for Fuse {
 const U: u32 = 0;
 const X: u32 = 1;
 
-static FMU: Library<Fuse> = Library::new();
+static FMU: Library<Fuse> = Library::empty();
 
 /// One call of the logger: environment, status, category, text.
 type Line = (usize, c_int, String, String);

@@ -31,14 +31,9 @@ def add(verbs: Verbs) -> None:
 
 def export(args: argparse.Namespace) -> int:
     """Write the FMU and say where it is."""
-    model, paths, names, package = selection.choose(args)
-    try:
+    with selection.opened(args) as (model, paths, names, _):
         out = args.out or Path("target") / f"{model.name}.fmu"
-        system = Resolved(model, paths, names)
-        write(system, out)
-    finally:
-        if package is not None:
-            package.folder.cleanup()
+        write(Resolved(model, paths, names), out)
     say(args, f"{out}: {', '.join(paths)} in one FMU, {model.coupling}, step {model.step:g} s",
         {"file": str(out), "components": list(paths)})  # fmt: skip
     return 0

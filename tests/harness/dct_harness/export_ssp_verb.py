@@ -25,13 +25,9 @@ def add(verbs: Verbs) -> None:
 
 def export(args: argparse.Namespace) -> int:
     """Write the file and say where it is."""
-    model, paths, names, package = selection.choose(args)
-    try:
+    with selection.opened(args) as (model, paths, names, _):
         out = args.out or Path("target") / f"{model.name}.ssp"
         Export(model, paths, names).write(out)
-    finally:
-        if package is not None:
-            package.folder.cleanup()
     say(args, f"{out}: {len(paths)} components, runs with `dct-harness run {out}`",
         {"file": str(out), "components": list(paths)})  # fmt: skip
     return 0

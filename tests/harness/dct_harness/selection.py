@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from . import calibration, mapping, ssp, system
@@ -44,6 +46,17 @@ def choose(args: argparse.Namespace) -> Chosen:
     for text in args.set:
         model.override(text)
     return model, paths, names, package
+
+
+@contextmanager
+def opened(args: argparse.Namespace) -> Iterator[Chosen]:
+    """Give what `choose` returns; afterwards the temporary folder of an opened .ssp is gone."""
+    chosen = choose(args)
+    try:
+        yield chosen
+    finally:
+        if chosen[-1] is not None:
+            chosen[-1].folder.cleanup()
 
 
 def _model(args: argparse.Namespace) -> tuple[system.System, dict[str, Path], ssp.Package | None]:

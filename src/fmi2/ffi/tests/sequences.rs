@@ -5,7 +5,7 @@ use super::*;
 use crate::State;
 use std::collections::BTreeSet;
 
-pub(super) static PROBE: Library<Probe> = Library::new();
+pub(super) static PROBE: Library<Probe> = Library::empty();
 
 /// Sequences, and calls in each: 100,000 calls, every function in every state many times.
 const SEQUENCES: u64 = 500;

@@ -181,7 +181,7 @@ impl Shadow {
         self.values.get(usize::try_from(reference).ok()?).copied()
     }
 
-    /// `fmi2SetXXX` of these values.
+    /// Sets these values, by the function of their type.
     pub(super) fn set(&mut self, kind: Kind, values: &[(u32, f64)]) -> Status {
         let twice = |at: usize| values[..at].iter().any(|(r, _)| *r == values[at].0);
         if (0..values.len()).any(twice) {
@@ -217,7 +217,7 @@ impl Shadow {
         if legal { Status::Ok } else { Status::Discard }
     }
 
-    /// `fmi2GetXXX` of these variables.
+    /// Gets these variables, by the function of their type.
     pub(super) fn get(&mut self, kind: Kind, references: &[u32]) -> Status {
         if references.iter().any(|r| Kind::of(*r) != Some(kind)) {
             return Status::Error;

@@ -1,19 +1,7 @@
 //! The method `calibrating` under errors of its own parameters and sensors, on scenarios no gain was tuned on.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    dead_code,
-    reason = "helpers of tests"
-)]
-
-mod bench;
-
-use bench::sensors::{noisy, perfect, torque_error, wheel_bias};
-use bench::{Drive, observe, scenarios};
+use crate::bench::sensors::{noisy, perfect, torque_error, wheel_bias};
+use crate::bench::{Drive, observe, scenarios};
 use dct_driveline::Params;
 use dct_driveline::observer::calibrating::Gains;
 use dct_driveline::observer::prior::Prior;

@@ -1,19 +1,7 @@
 //! Every method on the exact plant: accuracy on the paper's scenario, and on scenarios no gain was tuned on.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    dead_code,
-    reason = "helpers of tests"
-)]
-
-mod bench;
-
-use bench::sensors::{noisy, perfect};
-use bench::{Drive, Score, faded, observe, scenarios};
+use crate::bench::sensors::{delayed, dropping, noisy, perfect};
+use crate::bench::{Drive, Score, faded, observe, scenarios};
 use dct_driveline::observer::{Fault, Method, Observer, Sample, Selected, Settings};
 
 /// Speed noise of the accuracy limits [rad/s].
@@ -233,6 +221,29 @@ fn a_clean_drive_is_valid_throughout() {
                     },
                 );
             }
+        }
+    }
+}
+
+/// What PAPER.md states of late and lost samples: they cost next to nothing [percentage points].
+#[test]
+fn a_sample_that_is_late_or_lost_costs_little() {
+    const COST: f64 = 0.3;
+    let drive = scenarios::paper().drive(1e-3);
+    for method in [
+        Method::Paper,
+        Method::Lyapunov,
+        Method::Energy,
+        Method::Kalman,
+        Method::Calibrating,
+    ] {
+        let clean = run(method, &drive, perfect).percent();
+        let late = run(method, &drive, delayed()).percent();
+        let lost = run(method, &drive, dropping(1)).percent();
+        assert!(late != clean && lost != clean, "{method:?}");
+        for worse in [late, lost] {
+            let dear = worse.iter().zip(clean).any(|(w, c)| *w > c + COST);
+            assert!(!dear, "{method:?}: {worse:.1?} after {clean:.1?} %");
         }
     }
 }

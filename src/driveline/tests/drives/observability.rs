@@ -3,19 +3,7 @@
 //! The covariance of the filter is the inverse of its observability Gramian, forgetting what walks away: a
 //! factor of 1 says that the phase shows nothing, 0.1 that it shows a hundred times what was known.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    dead_code,
-    reason = "helpers of tests"
-)]
-
-mod bench;
-
-use bench::scenarios;
+use crate::bench::scenarios;
 use dct_driveline::observer::calibrating::Gains;
 use dct_driveline::observer::{Calibrating, Observer, Settings};
 

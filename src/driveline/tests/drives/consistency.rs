@@ -1,19 +1,7 @@
 //! Filters that know how wrong they may be, and every method while the engine brakes.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    dead_code,
-    reason = "helpers of tests"
-)]
-
-mod bench;
-
-use bench::sensors::{encoder, noisy, perfect};
-use bench::{observe, scenarios};
+use crate::bench::sensors::{encoder, noisy, perfect};
+use crate::bench::{observe, scenarios};
 use dct_driveline::observer::{Fault, Method, Sample, Selected, Settings};
 
 const H: f64 = 1e-3;
