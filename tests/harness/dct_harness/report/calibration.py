@@ -24,7 +24,7 @@ LEARNT = (
     ("dampingError", "drive-shaft damping γ", "%", 100.0),
     ("gearboxInertiaError", "gearbox inertia λ", "%", 100.0),
     ("vehicleInertiaError", "vehicle inertia ν", "%", 100.0),
-    ("vehicleMass", "vehicle mass", "kg", 1.0),
+    ("vehicleMass", "vehicle mass M_v", "kg", 1.0),
 )
 # Parameters whose sum, plant's over observer's, less 1 is what there is to be learnt.
 INJECTED = {
@@ -64,7 +64,7 @@ def _panel(
     digits = decimals(last)
     end = round(value[-1], digits) + 0.0  # no −0
     found = f"{end:.{digits}f} ± {last:.{digits}f} {unit}"
-    heading = f"{title}: {found} at the end, ± {first:.2g} at first"
+    heading = f"{title}: {found} at the end, ± {first:.{decimals(first)}f} at first"
     return {"title": f"{title.rpartition(' ')[2]} [{unit}]", "heading": heading, "traces": traces}
 
 
