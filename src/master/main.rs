@@ -21,8 +21,8 @@ struct Words {
 enum Verb {
     /// Run a closed loop and write its results as CSV.
     ///
-    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports and supplier's
-    /// mappings are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run
+    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports and the
+    /// mappings of suppliers' FMUs are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run
     /// --engine native`, which puts others into a process of their own.
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunWords),

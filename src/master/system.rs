@@ -41,6 +41,8 @@ struct Head {
     scenario: PathBuf,
     #[serde(default)]
     coupling: Coupling,
+    #[serde(default)]
+    interpolate: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -107,6 +109,13 @@ impl System {
             line: error.span().map_or(0, |span| line(&text, span.start)),
             what: error.message().to_owned(),
         })?;
+        if file.system.interpolate {
+            return Err(Error::Content {
+                path: path.to_owned(),
+                line: 0,
+                what: "interpolate: no input derivatives here; use `dct-harness run`".into(),
+            });
+        }
         let mut parts: Vec<(String, Part)> = file.components.into_iter().collect();
         parts.sort_by_key(|(name, _)| rank(name));
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -262,6 +271,18 @@ mod tests {
             panic!("was read")
         };
         assert!(error.to_string().contains("loop.toml:3: "), "{error}");
+    }
+
+    #[test]
+    fn what_only_the_harness_can_do_is_refused() {
+        let parts = "interpolate = true\n[components.plant]\nfmu = \"p\"\n";
+        let Err(error) = load(&format!("{HEAD}{parts}")) else {
+            panic!("was read")
+        };
+        assert!(
+            error.to_string().contains("use `dct-harness run`"),
+            "{error}"
+        );
     }
 
     #[test]
