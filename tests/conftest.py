@@ -26,3 +26,9 @@ def lag_dir(tmp_path_factory: pytest.TempPathFactory, lag_library: Path) -> Path
     folder = tmp_path_factory.mktemp("lag")
     lag_fmu.write_fmu(folder / "Lag.fmu", lag_library)
     return folder
+
+
+@pytest.fixture(scope="session")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Directory with the lag as `Lag.fmu`, which misbehaves from t = 0.1 s on as `mode` says."""
+    return lag_fmu.write_hostile(tmp_path_factory.mktemp("hostile"))

@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
-import subprocess
 import time
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 from dct_harness import results
-from harness_fixture.lag_fmu import HERE, LAG, run, variable, write_fmu, write_system
+from harness_fixture.lag_fmu import run, write_system
 from isolation_cost import DEARER, extra
 
 (CRASH, HANG, EXIT, FORK, FLOOD, CHDIR, PRINT, MEMORY, DAEMON, ABORT, GARBAGE, CLOSE, IGNORE_TERM,
  HANG_AT_END) = range(1, 15)  # fmt: skip
-HOSTILE = (*LAG, variable("mode", 0, "parameter", "0", "Integer"))
 AT = "plant: fmi2DoStep at t = 0.1 s"
-
-
-@pytest.fixture(scope="module")
-def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the hostile FMU as Lag.fmu."""
-    folder = tmp_path_factory.mktemp("hostile")
-    headers = Path(fmpy.__file__).parent / "c-code"
-    sources, library = (HERE / "hostile/hostile.c", HERE / "unsupported.c"), folder / "Lag.so"
-    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, "-o", library, "-lm"]
-    subprocess.run(command, check=True)
-    write_fmu(folder / "Lag.fmu", library, HOSTILE)
-    return folder
 
 
 def _rows(folder: Path) -> int:

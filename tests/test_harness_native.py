@@ -5,26 +5,13 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 from dct_harness import results
-from harness_fixture.lag_fmu import HARNESS, HERE, LAG, run, variable, write_fmu, write_system
+from harness_fixture.lag_fmu import HARNESS, run, write_system
 
 NATIVE = ("--engine", "native")
 CRASH, HANG = 1, 2  # modes of the hostile FMU, from t = 0.1 s on
-
-
-@pytest.fixture(scope="module")
-def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with an FMU that misbehaves on request."""
-    folder = tmp_path_factory.mktemp("hostile")
-    headers = Path(fmpy.__file__).parent / "c-code"
-    sources, library = (HERE / "hostile/hostile.c", HERE / "unsupported.c"), folder / "Lag.so"
-    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, "-o", library, "-lm"]
-    subprocess.run(command, check=True)
-    write_fmu(folder / "Lag.fmu", library, (*LAG, variable("mode", 0, "parameter", "0", "Integer")))
-    return folder
 
 
 @pytest.mark.parametrize(("system", "more"), [

@@ -56,10 +56,21 @@ def description(variables: tuple[str, ...], can: str = VARIES) -> str:
 
 def compile_library(out: Path, *needs: Path) -> Path:
     """Compile the fixture against the FMI headers of fmpy and the shared libraries `needs`."""
+    return _compiled(out, *sorted(HERE.glob("*.c")), *needs)
+
+
+def write_hostile(folder: Path) -> Path:
+    """Write the fixture that misbehaves as its parameter `mode` says; returns the folder."""
+    library = _compiled(folder, HERE / "hostile/hostile.c", HERE / "unsupported.c")
+    mode = variable("mode", 0, "parameter", "0", "Integer")
+    write_fmu(folder / "Lag.fmu", library, (*LAG, mode))
+    return folder
+
+
+def _compiled(out: Path, *inputs: Path) -> Path:
     headers = Path(fmpy.__file__).parent / "c-code"
     library = out / "Lag.so"
-    sources = sorted(HERE.glob("*.c"))
-    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *sources, *needs, "-o", library, "-lm"]
+    command = ["gcc", "-shared", "-fPIC", f"-I{headers}", *inputs, "-o", library, "-lm"]
     subprocess.run(command, check=True)
     return library
 
