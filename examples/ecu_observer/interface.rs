@@ -242,6 +242,7 @@ impl From<&Sample> for observer::Sample {
             gear: c.gear,
             t_brake: c.brake_torque,
             phi: c.road_grade,
+            t_y: 0.0,
         }
     }
 }

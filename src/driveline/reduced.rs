@@ -19,8 +19,8 @@
 use crate::Params;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Inputs of the discrete model: T_e, T_c1, T_c2, T_v and the two innovations.
-const INPUTS: usize = 6;
+/// Inputs of the discrete model: T_e, T_c1, T_c2, T_v, the two innovations, T_y.
+const INPUTS: usize = 7;
 const AUGMENTED: usize = 3 + INPUTS;
 
 /// The control-oriented model for one pair of gears.
@@ -109,6 +109,13 @@ impl Reduced {
         Vector3::new(0.0, 1.0 / self.j_v, self.c_o_eq / self.j_v)
     }
 
+    /// Effect of T_y, a torque of synchronisers at the output, shape (3): that of T_ci without the engine,
+    /// for a ratio of 1.
+    pub fn y(&self) -> Vector3<f64> {
+        let h_y = 1.0 / (self.g_ref * self.j_ct2_eq);
+        Vector3::new(-1.0 / self.j_ct2_eq, h_y, self.c_o_eq * h_y)
+    }
+
     /// The model over a step `h` [s] with held inputs and held innovation, exactly.
     ///
     /// `l`: observer gain L of (19), shape (3, 2).
@@ -118,17 +125,19 @@ impl Reduced {
         m.fixed_view_mut::<3, 3>(0, 3).copy_from(&self.b());
         m.fixed_view_mut::<3, 1>(0, 6).copy_from(&self.e());
         m.fixed_view_mut::<3, 2>(0, 7).copy_from(l);
+        m.fixed_view_mut::<3, 1>(0, 9).copy_from(&self.y());
         let psi = exponential(&(m * h));
         Discrete {
             phi: psi.fixed_view::<3, 3>(0, 0).into_owned(),
             gamma_u: psi.fixed_view::<3, 3>(0, 3).into_owned(),
             gamma_delta: psi.fixed_view::<3, 1>(0, 6).into_owned(),
             gamma_l: psi.fixed_view::<3, 2>(0, 7).into_owned(),
+            gamma_y: psi.fixed_view::<3, 1>(0, 9).into_owned(),
         }
     }
 }
 
-/// x⁺ = Φ x + Γ_u u + Γ_δ δ + Γ_L e: the model over one step.
+/// x⁺ = Φ x + Γ_u u + Γ_δ δ + Γ_L e + Γ_y T_y: the model over one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrete {
     /// Φ = exp(A h), shape (3, 3).
@@ -139,6 +148,8 @@ pub struct Discrete {
     pub gamma_delta: Vector3<f64>,
     /// Γ_L of the innovation, shape (3, 2).
     pub gamma_l: SMatrix<f64, 3, 2>,
+    /// Γ_y of T_y, shape (3).
+    pub gamma_y: Vector3<f64>,
 }
 
 /// exp(M) by its series on M/2^n, squared n times.
@@ -220,7 +231,7 @@ mod tests {
             ([4.1, 11.52], 2e-2),
         ] {
             let model = Reduced::new(&P, g, P.c_o);
-            let held = model.b() * u + model.e() * 250.0 + l * e;
+            let held = model.b() * u + model.e() * 250.0 + l * e - model.y() * 40.0;
             let slope = |x: Vector3<f64>| model.a() * x + held;
             let d = h / f64::from(SUBSTEPS);
             let start = Vector3::new(30.0, 0.1, 400.0);
@@ -233,7 +244,8 @@ mod tests {
             });
             let step = model.discrete(&l, h);
             let ours =
-                step.phi * start + step.gamma_u * u + step.gamma_delta * 250.0 + step.gamma_l * e;
+                step.phi * start + step.gamma_u * u + step.gamma_delta * 250.0 + step.gamma_l * e
+                    - step.gamma_y * 40.0;
             assert!(
                 (ours - reference).amax() < AGREEMENT * reference.amax(),
                 "{g:?} {h}"

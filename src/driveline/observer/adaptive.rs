@@ -245,6 +245,7 @@ impl Adaptive {
         self.x_hat = discrete.phi * self.x_hat
             + discrete.gamma_u * Vector3::new(sample.t_e, t_c[0], t_c[1])
             + discrete.gamma_delta * now.t_v
+            + discrete.gamma_y * sample.t_y
             + discrete.gamma_l * self.innovation;
     }
 

@@ -3,19 +3,20 @@
 //!
 //! ```text
 //! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v, β, δ, w, κ, γ, λ, ν)        torques in units of the reported T_e
-//! J_ed (1+δ) ω_e' = T_e + β − T_c1 − T_c2                    J_out (1+λ) ω_o' = g1 T_c1 + g2 T_c2 − T_o
+//! J_ed (1+δ) ω_e' = T_e + β − T_c1 − T_c2                    J_out (1+λ) ω_o' = g1 T_c1 + g2 T_c2 − T_o + (1+λ) T_y
 //! J_v (1+ν) ω_w' = T_o − T_v − T_r(ω_w) − T_b                T_o = T_s + c (1+γ) (ω_o − ω_w)
 //! T_s' = k (1+κ) (ω_o − ω_w)
 //! ```
 //!
 //! T_r is drag and rolling resistance of (11) on the level; T_v is what remains: the grade, and all errors.
+//! T_y, of synchronisers, is known by the inertia of a shaft, so λ scales it.
 
 use crate::Params;
 use crate::observer::filter::{Flow, Rows, row};
 use crate::observer::speeds::Speeds;
 use crate::observer::tracker::{SHARED, T_C, T_S, T_V, W_E, W_O, W_W};
 use crate::observer::{Sample, brake};
-use nalgebra::{SVector, Vector4};
+use nalgebra::{SVector, Vector4, Vector5};
 
 /// Number of parameters among the states: β, δ, w, κ, γ, λ, ν.
 pub const LEARNT: usize = 7;
@@ -85,11 +86,17 @@ impl<'a> View<'a> {
         self.sample.t_e + self.x[BETA]
     }
 
+    /// T_y as the inertia that was learnt makes it [N·m].
+    fn synchroniser_torque(&self) -> f64 {
+        self.sample.t_y * (1.0 + self.x[LAMBDA])
+    }
+
     /// The slope of the states that move, shape (4).
     fn slope(&self) -> Vector4<f64> {
         let x = self.x;
         let load = x[T_V] + self.resistance() + brake(self.p, self.sample);
-        let torques = Vector4::new(self.engine_torque(), x[T_C], x[T_C + 1], load);
+        let (t_e, t_y) = (self.engine_torque(), self.synchroniser_torque());
+        let torques = Vector5::new(t_e, x[T_C], x[T_C + 1], load, t_y);
         self.model.a(None) * x.fixed_rows::<4>(0) + self.model.b(None) * torques
     }
 
@@ -114,14 +121,18 @@ impl<'a> View<'a> {
 
     /// The motion over a step `h` [s] with the parameters held.
     ///
-    /// `seen`: slopes of ω_e, ω_o that δ and λ are seen by, given the mean slopes over the step.
+    /// `seen`: slopes of ω_e, ω_o that δ and λ are seen by, given the mean slopes over the step less that of T_y,
+    /// which shows nothing of λ.
     pub fn motion(&self, h: f64, seen: impl FnOnce([f64; 2]) -> [f64; 2]) -> Motion {
         let (x, flow) = (self.x, Flow::new(&self.model, h));
         let change = flow.gamma * self.slope();
         let moved = x.fixed_rows::<4>(0) + change;
         let twist = 0.5 * (x[W_O] - x[W_W] + moved[W_O] - moved[W_W]);
         let mut mean = change / h;
-        let slope = [mean[W_E], mean[W_O]];
+        let slope = [
+            mean[W_E],
+            mean[W_O] - self.synchroniser_torque() / self.model.j_out,
+        ];
         [mean[W_E], mean[W_O]] = seen(slope);
         Motion {
             moved,
@@ -135,12 +146,13 @@ impl<'a> View<'a> {
         let (x, model) = (self.x, &self.model);
         let motion = x.fixed_rows::<4>(0).into_owned();
         let (t_e, other) = (self.engine_torque(), x[T_C + 1 - i]);
-        let excess = x[T_C + i] - model.constraint_torque(&motion, i, t_e, other);
+        let t_y = self.synchroniser_torque();
+        let excess = x[T_C + i] - model.constraint_torque(&motion, i, t_e, other, t_y);
         let (g, g_j) = (model.g[i], model.g[1 - i]);
         let together = model.j_out + g * g * model.j_ed;
         let share = model.j_ed * g / together;
         let twist = x[W_O] - x[W_W];
-        let acting = g * (t_e - other) + g_j * other - model.t_o(&motion);
+        let acting = g * (t_e - other) + g_j * other + t_y - model.t_o(&motion);
         let inertia = share * acting * model.j_out / together;
         let derivative = row(&[
             (T_C + i, 1.0),
@@ -150,7 +162,10 @@ impl<'a> View<'a> {
             (W_W, share * model.c),
             (BETA, share * g - 1.0),
             (DELTA, inertia / (1.0 + x[DELTA])),
-            (LAMBDA, -inertia / (1.0 + x[LAMBDA])),
+            (
+                LAMBDA,
+                share * self.sample.t_y - inertia / (1.0 + x[LAMBDA]),
+            ),
             (GAMMA, -share * self.p.c_o * twist),
         ]);
         (excess, derivative)
@@ -175,6 +190,7 @@ mod tests {
             omega_w: 9.3,
             gear: [1, 2],
             t_brake: 40.0,
+            t_y: -30.0,
             ..Sample::default()
         }
     }
@@ -235,6 +251,7 @@ mod tests {
         let mut stronger = sample;
         stronger.t_e *= FACTOR;
         stronger.t_brake *= FACTOR;
+        stronger.t_y *= FACTOR;
         let mut x = state();
         for j in [3, 4, 5, 6, 7] {
             x[j] *= FACTOR;

@@ -42,11 +42,11 @@ use crate::observer::schedule::scaled;
 use crate::observer::speeds::{Speeds, output_speed};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit, common_estimate, visit_switch};
 use crate::reduced::exponential;
-use nalgebra::{Matrix4, Matrix4x3, SMatrix, Vector3, Vector4};
+use nalgebra::{Matrix4, Matrix4x3, Matrix4x5, SMatrix, Vector3, Vector4, Vector5};
 
 /// w_0: lever below which the adaptation is not normalised [N·m].
 const LEVER: f64 = 20.0;
-const AUGMENTED: usize = 11;
+const AUGMENTED: usize = 12;
 
 /// Gains that the proof leaves free.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,7 +119,7 @@ struct Key {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Discrete {
     phi: Matrix4<f64>,
-    gamma: Matrix4<f64>,
+    gamma: Matrix4x5<f64>,
     gamma_l: Matrix4x3<f64>,
 }
 
@@ -128,16 +128,16 @@ impl Discrete {
         let mut m = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
         m.fixed_view_mut::<4, 4>(0, 0)
             .copy_from(&key.model.a(key.engaged));
-        m.fixed_view_mut::<4, 4>(0, 4)
+        m.fixed_view_mut::<4, 5>(0, 4)
             .copy_from(&key.model.b(key.engaged));
         for (j, l) in key.l.into_iter().enumerate() {
-            m[(j, 8 + j)] = l;
+            m[(j, 9 + j)] = l;
         }
         let psi = exponential(&(m * key.h));
         Self {
             phi: psi.fixed_view::<4, 4>(0, 0).into_owned(),
-            gamma: psi.fixed_view::<4, 4>(0, 4).into_owned(),
-            gamma_l: psi.fixed_view::<4, 3>(0, 8).into_owned(),
+            gamma: psi.fixed_view::<4, 5>(0, 4).into_owned(),
+            gamma_l: psi.fixed_view::<4, 3>(0, 9).into_owned(),
         }
     }
 }
@@ -296,7 +296,7 @@ impl Energy {
         let mut t_c = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * w[i]);
         if let Some(i) = self.engaged(p, sample) {
             let model = Speeds::new(p, sample.gear);
-            t_c[i] = model.constraint_torque(&self.x_hat, i, sample.t_e, t_c[1 - i]);
+            t_c[i] = model.constraint_torque(&self.x_hat, i, sample.t_e, t_c[1 - i], sample.t_y);
         }
         t_c
     }
@@ -323,7 +323,7 @@ impl Energy {
         };
         self.cache = Some((key, discrete));
         let [one, two] = self.torques(p, settings, sample);
-        let v = Vector4::new(sample.t_e, one, two, t_v);
+        let v = Vector5::new(sample.t_e, one, two, t_v, sample.t_y);
         self.x_hat =
             discrete.phi * self.x_hat + discrete.gamma * v + discrete.gamma_l * self.innovation;
     }

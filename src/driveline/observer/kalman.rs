@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v)
-//! J_ed ω_e' = T_e − T_c1 − T_c2      J_out ω_o' = g1 T_c1 + g2 T_c2 − T_o      J_v ω_w' = T_o − T_v − T_b
+//! J_ed ω_e' = T_e − T_c1 − T_c2   J_out ω_o' = g1 T_c1 + g2 T_c2 + T_y − T_o   J_v ω_w' = T_o − T_v − T_b
 //! T_o = T_s + c (ω_o − ω_w)          T_s' = k (ω_o − ω_w)                      T_c1' = T_c2' = T_v' = 0
 //! y = (ω_e, ω_c1, ω_c2, ω_w),  ω_ci = g_i ω_o where a gear is in
 //! ```
@@ -70,12 +70,13 @@ pub struct Kalman {
     cache: Option<(Speeds, f64, Discrete)>,
 }
 
-/// The rows of Φ that move, and the effect of T_e and T_b, over one step.
+/// The rows of Φ that move, and the effect of T_e, T_b and T_y, over one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Discrete {
     rows: Rows<N>,
     gamma_e: Vector4<f64>,
     gamma_b: Vector4<f64>,
+    gamma_y: Vector4<f64>,
 }
 
 impl Discrete {
@@ -88,6 +89,7 @@ impl Discrete {
             rows: flow.rows(&by),
             gamma_e: flow.gamma * b.column(0),
             gamma_b: flow.gamma * b.column(3),
+            gamma_y: flow.gamma * b.column(4),
         }
     }
 }
@@ -134,9 +136,11 @@ impl Kalman {
             rows,
             gamma_e,
             gamma_b,
+            gamma_y,
         } = discrete;
         let belief = &mut self.tracker.belief;
-        let moved = rows * belief.x + gamma_e * sample.t_e + gamma_b * brake(p, sample);
+        let known = gamma_e * sample.t_e + gamma_b * brake(p, sample) + gamma_y * sample.t_y;
+        let moved = rows * belief.x + known;
         belief.x.fixed_rows_mut::<4>(0).copy_from(&moved);
         belief.spread(&rows, &(settings.kalman.intensities() * h));
     }

@@ -5,11 +5,14 @@
 //! wheels,
 //!
 //! ```text
-//! T_v = g T_e − dE/dt,   engine (20): E = J_v,eq ω_w,   momentum: E = g J_ed ω_e + J_out ω_o + J_v ω_w
+//! T_v = g T_e + T_y − dE/dt,   engine (20): E = J_v,eq ω_w,   momentum: E = g J_ed ω_e + J_out ω_o + J_v ω_w
 //! ```
 //!
 //! The momentum form needs no rigid drive shaft, so it stays right while the driveline oscillates. Both
 //! sides go through the same first-order filter, which turns the derivative into (E − E_f)/τ.
+//!
+//! A gear that goes out or comes in takes its shaft's momentum with it at the speed it has, so the filtered one
+//! moves by as much; T_y is what synchronisers do meanwhile.
 //!
 //! A brake torque that is measured is kept apart: it counts at once, also while the rest is held.
 
@@ -39,8 +42,10 @@ const SETTLING: f64 = 3.0 * TAU;
 pub struct Load {
     /// Filtered momentum [N·m·s].
     pub momentum: f64,
-    /// Filtered g T_e less the brake torque [N·m].
+    /// Filtered g T_e + T_y less the brake torque [N·m].
     pub torque: f64,
+    /// J_out of the last sample [kg·m²].
+    pub j_out: f64,
     /// Time since the filter was started [s]; negative while it does not run.
     pub running: f64,
     /// T_v found last without the brake torque [N·m]; meaningful when `found`.
@@ -54,6 +59,7 @@ impl Default for Load {
         Self {
             momentum: 0.0,
             torque: 0.0,
+            j_out: 0.0,
             running: -1.0,
             t_v: 0.0,
             found: false,
@@ -67,6 +73,7 @@ impl Load {
         for value in [
             &mut self.momentum,
             &mut self.torque,
+            &mut self.j_out,
             &mut self.running,
             &mut self.t_v,
         ] {
@@ -91,12 +98,21 @@ impl Load {
         }
         match lock.alone(p, sample) {
             Some(engaged) => {
+                let g = p.g(sample.gear);
+                self.follow_gears(p.j_out(g), output_speed(p, method, sample, engaged));
                 let momentum = momentum(p, method, sample, engaged);
-                self.filter(momentum, p.g(sample.gear)[engaged] * sample.t_e - brake, h);
+                let torque = g[engaged] * sample.t_e + sample.t_y - brake;
+                self.filter(momentum, torque, h);
             }
             None => self.running = -1.0,
         }
         if self.found { self.t_v + brake } else { model }
+    }
+
+    /// The shafts that turn with the output at `omega_o` [rad/s] have J_out = `j_out` [kg·m²] now.
+    fn follow_gears(&mut self, j_out: f64, omega_o: f64) {
+        self.momentum += (j_out - self.j_out) * omega_o;
+        self.j_out = j_out;
     }
 
     /// Takes E [N·m·s] and the torque known to act on it [N·m].
@@ -122,6 +138,15 @@ fn momentum(p: &Params, method: LoadMethod, sample: &Sample, engaged: usize) -> 
     if method == LoadMethod::Engine {
         return p.j_v_eq(g, engaged) * sample.omega_w;
     }
-    let omega_o = sample.omega_c[engaged] / g[engaged];
+    let omega_o = output_speed(p, method, sample, engaged);
     g[engaged] * p.j_ed() * sample.omega_e + p.j_out(g) * omega_o + p.j_v * sample.omega_w
+}
+
+/// Speed that J_out turns with in E [rad/s].
+fn output_speed(p: &Params, method: LoadMethod, sample: &Sample, engaged: usize) -> f64 {
+    if method == LoadMethod::Engine {
+        sample.omega_w
+    } else {
+        sample.omega_c[engaged] / p.g(sample.gear)[engaged]
+    }
 }

@@ -68,6 +68,8 @@ pub struct Sample {
     pub t_brake: f64,
     /// φ: road grade [rad].
     pub phi: f64,
+    /// T_y: torque of synchronisers at the output [N·m]; not measured but found by [`shift`], 0 until then.
+    pub t_y: f64,
 }
 
 impl Sample {
@@ -79,7 +81,14 @@ impl Sample {
     /// Every measurement is a number; only such a sample may enter an observer.
     pub fn is_finite(&self) -> bool {
         let [one, two] = self.actuation;
-        let real = [self.t_e, self.omega_e, self.omega_w, self.t_brake, self.phi];
+        let real = [
+            self.t_e,
+            self.omega_e,
+            self.omega_w,
+            self.t_brake,
+            self.phi,
+            self.t_y,
+        ];
         let actuators = [one.position, one.pressure, two.position, two.pressure];
         real.iter()
             .chain(&self.omega_c)

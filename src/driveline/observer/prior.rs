@@ -33,6 +33,7 @@ impl Prior {
         let seen = Sample {
             t_e: sample.t_e * (1.0 + alpha) + beta,
             omega_w: sample.omega_w - bias,
+            t_y: sample.t_y * (1.0 + lambda),
             ..*sample
         };
         (corrected, seen)
@@ -68,6 +69,7 @@ mod tests {
             Sample {
                 t_e: 60.0,
                 omega_w: 9.0,
+                t_y: -700.0,
                 ..Sample::default()
             },
         );
@@ -76,7 +78,7 @@ mod tests {
         let (once, seen_once) = Prior(first.with(&learnt).value).correct(&p, &sample);
         let of = |p: &Params, s: &Sample| {
             [
-                p.j_e, p.k_o, p.c_o, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v, s.t_e, s.omega_w,
+                p.j_e, p.k_o, p.c_o, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v, s.t_e, s.omega_w, s.t_y,
             ]
         };
         for (a, b) in of(&twice, &seen_twice).iter().zip(of(&once, &seen_once)) {

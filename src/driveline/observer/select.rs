@@ -76,7 +76,7 @@ impl Observer for Selected {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let sample = self.shift.step(p, sample);
+        let sample = self.shift.step(p, sample, h);
         if p.gears_add_inertia() {
             self.acting()
                 .step(&p.in_gears(sample.gear), settings, &sample, h)

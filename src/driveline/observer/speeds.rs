@@ -2,21 +2,21 @@
 //!
 //! ```text
 //! J_ed ω_e'  = T_e − T_c1 − T_c2                     from (1), (2) with a stiff damper
-//! J_out ω_o' = g1 T_c1 + g2 T_c2 − T_o               from (4), (5), (8) with stiff transfer shafts
+//! J_out ω_o' = g1 T_c1 + g2 T_c2 + T_y − T_o         from (4), (5), (8) with stiff transfer shafts
 //! J_v ω_w'   = T_o − T_v                             (9)
 //! T_o = T_s + c (ω_o − ω_w),  T_s' = k (ω_o − ω_w)   (10)
 //! ```
 //!
-//! The states do not refer to a gear, so a new gear or another acting clutch makes no jump. With clutch i
+//! T_y is what synchronisers do ([`shift`](crate::observer::shift)). The states do not refer to a gear, so a new gear or another acting clutch makes no jump. With clutch i
 //! engaged ω_e = g_i ω_o, and T_ci is the constraint torque of (6), found without differentiating:
 //!
 //! ```text
-//! ω_o' = (g_i (T_e − T_cj) + g_j T_cj − T_o)/(J_out + g_i² J_ed),   T_ci = T_e − T_cj − J_ed g_i ω_o'
+//! ω_o' = (g_i (T_e − T_cj) + g_j T_cj + T_y − T_o)/(J_out + g_i² J_ed),   T_ci = T_e − T_cj − J_ed g_i ω_o'
 //! ```
 
 use crate::Params;
 use crate::observer::Sample;
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix4, Matrix4x5, RowVector5, Vector4};
 
 /// The model for one pair of gears.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,28 +65,22 @@ impl Speeds {
         a
     }
 
-    /// B for the torques (T_e, T_c1, T_c2, T_v), shape (4, 4); the engaged clutch's own is not used.
-    pub fn b(&self, engaged: Option<usize>) -> Matrix4<f64> {
+    /// B for the torques (T_e, T_c1, T_c2, T_v, T_y), shape (4, 5); the engaged clutch's own is not used.
+    pub fn b(&self, engaged: Option<usize>) -> Matrix4x5<f64> {
         let [g1, g2] = self.g;
-        let mut b = Matrix4::zeros();
+        let mut b = Matrix4x5::zeros();
         b[(2, 3)] = -1.0 / self.j_v;
         match engaged {
             None => {
-                b.set_row(
-                    0,
-                    &(Vector4::new(1.0, -1.0, -1.0, 0.0) / self.j_ed).transpose(),
-                );
-                b.set_row(
-                    1,
-                    &(Vector4::new(0.0, g1, g2, 0.0) / self.j_out).transpose(),
-                );
+                b.set_row(0, &(RowVector5::new(1.0, -1.0, -1.0, 0.0, 0.0) / self.j_ed));
+                b.set_row(1, &(RowVector5::new(0.0, g1, g2, 0.0, 1.0) / self.j_out));
             }
             Some(i) => {
                 let (g, j) = (self.g[i], self.j_together(i));
-                let mut output = Vector4::new(g, g1 - g, g2 - g, 0.0) / j;
+                let mut output = RowVector5::new(g, g1 - g, g2 - g, 0.0, 1.0) / j;
                 output[1 + i] = 0.0;
-                b.set_row(0, &(output * g).transpose());
-                b.set_row(1, &output.transpose());
+                b.set_row(0, &(output * g));
+                b.set_row(1, &output);
             }
         }
         b
@@ -99,11 +93,18 @@ impl Speeds {
 
     /// T_ci of the engaged clutch `i` [N·m]: (6) without differentiating.
     ///
-    /// `other`: torque of the other clutch [N·m].
-    pub fn constraint_torque(&self, x: &Vector4<f64>, i: usize, t_e: f64, other: f64) -> f64 {
+    /// `other`: torque of the other clutch [N·m]. `t_y`: that of synchronisers [N·m].
+    pub fn constraint_torque(
+        &self,
+        x: &Vector4<f64>,
+        i: usize,
+        t_e: f64,
+        other: f64,
+        t_y: f64,
+    ) -> f64 {
         let (g, g_j) = (self.g[i], self.g[1 - i]);
-        let omega_o_dot = (g * (t_e - other) + g_j * other - self.t_o(x)) / self.j_together(i);
-        t_e - other - self.j_ed * g * omega_o_dot
+        let acting = g * (t_e - other) + g_j * other + t_y - self.t_o(x);
+        t_e - other - self.j_ed * g * acting / self.j_together(i)
     }
 
     /// J_out + g_i² J_ed: gearbox and engine at the output while clutch `i` is engaged [kg·m²].
@@ -126,7 +127,7 @@ mod tests {
     use super::{Speeds, output_speed};
     use crate::Params;
     use crate::observer::Sample;
-    use nalgebra::Vector4;
+    use nalgebra::{Vector4, Vector5};
 
     const P: Params = Params::TABLE_1;
     /// Round-off of a few products.
@@ -138,9 +139,9 @@ mod tests {
         let model = Speeds::new(&P, [1, 2]);
         let x = Vector4::new(180.0, 10.0, 9.7, 500.0);
         for (i, other) in [(0, 12.0), (1, -7.0)] {
-            let mut v = Vector4::new(60.0, other, other, 250.0);
+            let mut v = Vector5::new(60.0, other, other, 250.0, -30.0);
             let engaged = model.a(Some(i)) * x + model.b(Some(i)) * v;
-            v[1 + i] = model.constraint_torque(&x, i, 60.0, other);
+            v[1 + i] = model.constraint_torque(&x, i, 60.0, other, -30.0);
             let free = model.a(None) * x + model.b(None) * v;
             assert!((engaged - free).amax() < TOLERANCE, "{engaged} {free}");
             assert!((free[0] - model.g[i] * free[1]).abs() < TOLERANCE);

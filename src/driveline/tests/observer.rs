@@ -114,6 +114,7 @@ fn sample(scenario: &Table, time: f64, u: &Input, y: &Output) -> Sample {
         gear: u.gear,
         t_brake: u.t_brake,
         phi: u.phi,
+        t_y: 0.0,
     }
 }
 

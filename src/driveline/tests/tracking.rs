@@ -93,6 +93,7 @@ fn run(mu_n: [f64; 2], feedback: bool) -> Tracking {
                     gear: GEAR,
                     t_brake: 0.0,
                     phi: u.phi,
+                    t_y: 0.0,
                 },
             )
         };

@@ -139,6 +139,7 @@ fn measure(actuation: [Actuation; 2], u: &Input, y: &Output) -> Sample {
         gear: u.gear,
         t_brake: u.t_brake,
         phi: u.phi,
+        t_y: 0.0,
     }
 }
 
