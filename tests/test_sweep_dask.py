@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 from dct_harness.errors import ConfigError
+from dct_harness.study_cases import Job
+from dct_harness.sweep_bundle import BLOBS, Bundle
 from dct_harness.sweep_dask import cluster
-from dct_harness.sweep_workers import Job, run_one
+from dct_harness.sweep_workers import Setup, run_one
 from distributed import LocalCluster
 from harness_fixture.lag_fmu import harness, write_system
 
@@ -39,25 +41,51 @@ def test_a_cluster_of_this_machine_gives_the_same_rows(tmp_path: Path, lag_dir: 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, lag_dir: Path) -> None:
     """By address, as a cluster elsewhere; the runs of the dead worker are taken by the other."""
     system = write_system(tmp_path, "0.3")
-    jobs: list[Job] = [(k, {"plant.tau": 1.0 + k, "plant.delay": 0.001}) for k in range(RUNS)]
+    jobs = [Job(k, {"plant.tau": 1.0 + k}, ("--set", f"plant.tau={1.0 + k}"))
+            for k in range(RUNS)]  # fmt: skip
+    setup = Setup(("run", system, "--fmu-dir", lag_dir), tmp_path / "out")
+    files = [system, tmp_path / "s.csv", lag_dir / "Lag.fmu"]
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as place:
         found = []
-        for row in cluster(jobs, system, lag_dir, "fmpy", place.scheduler_address, 1):
+        for row in cluster(jobs, setup, files, place.scheduler_address, 1):
             if not found:
                 os.kill(place.workers[0].pid, signal.SIGKILL)
             found.append(row)
     assert sorted(row["run"] for row in found) == list(range(RUNS))
     assert {row["verdict"] for row in found} == {"not judged"}
-    alone = run_one(system, lag_dir, tmp_path / "out", "fmpy", False, jobs[3])
+    alone = run_one(setup, jobs[3])
     assert next(row for row in found if row["run"] == 3) == alone
+
+
+def test_a_file_travels_by_its_content_once_whatever_its_name(tmp_path: Path) -> None:
+    """Two names of one FMU are one content; the tree keeps how files lie to each other."""
+    here, there = tmp_path / "here", tmp_path / "there"
+    (here / "fmu").mkdir(parents=True)
+    there.mkdir()
+    named = {"fmu/A.fmu": b"fmu", "fmu/B.fmu": b"fmu", "s.toml": b"toml"}
+    for name, content in named.items():
+        (here / name).write_bytes(content)
+    bundle = Bundle.of(here / name for name in named)
+    assert sorted(bundle.blobs().values()) == [b"fmu", b"toml"]
+    root = bundle.unpack(there, bundle.blobs())
+    assert {n: (root / n).read_bytes() for n in named} == named
+    assert len(list((there / BLOBS).iterdir())) == 2
+    assert bundle.unpack(there, {}) == root  # nothing is asked for twice
+    words = ("run", here / "s.toml", "--fmu-dir", here / "fmu", "--set", "plant.x=1")
+    assert bundle.moved(words, root) == (
+        "run", root / "s.toml", "--fmu-dir", root / "fmu", "--set", "plant.x=1")  # fmt: skip
+    (here / "fmu/A.fmu").write_bytes(b"newer")
+    changed = Bundle.of(here / name for name in named)
+    assert changed.unpack(there, changed.blobs()) != root
 
 
 def test_an_address_without_a_scheduler_is_a_sentence(
     tmp_path: Path, lag_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dct_harness.sweep_dask.GRACE", "1 s")
-    system = write_system(tmp_path)
+    setup = Setup(("run", write_system(tmp_path)), tmp_path)
+    files = [tmp_path / "s.toml"]
     started = time.monotonic()
     with pytest.raises(ConfigError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler there"):
-        list(cluster([(1, {})], system, lag_dir, "fmpy", "tcp://127.0.0.1:9", 1))
+        list(cluster([Job(1, {})], setup, files, "tcp://127.0.0.1:9", 1))
     assert time.monotonic() - started < 20

@@ -30,6 +30,12 @@ def gather(system: Path, given: Any) -> dict[str, Any]:
     return found
 
 
+def files(system: Path, given: Any) -> list[Path]:
+    """Return the parameter files among what `gather` is given."""
+    listed = given if isinstance(given, list) else [given]
+    return [system.parent / part for part in listed if isinstance(part, str)]
+
+
 def read(path: Path) -> dict[str, Any]:
     """Return the values of a parameter file by name; those with a unit in SI.
 

@@ -78,6 +78,30 @@ def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
     return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
 
 
+def judged(args: argparse.Namespace, keep: bool) -> tuple[results.Results, dict[str, Any]]:
+    """Return signals and KPIs of a run; only one that fails, or is to `keep`, is written.
+
+    Raises
+    ------
+    HarnessError
+        The run did not reach its end.
+    """
+    loop, out = _prepare(args)
+    try:
+        failure = _execute(loop, out, args)
+        if failure is not None or keep:
+            record = save(loop, out, failure, args.format)
+        if failure is not None:
+            raise failure
+        if keep:
+            return results.from_table(*loop.table(), record, out), _judge(loop, record, out)
+        told = results.from_table(*loop.table(), loop.summary(None), out)
+        return told, kpi.compute(told, told.run)
+    finally:
+        if loop.package is not None:
+            loop.package.folder.cleanup()
+
+
 def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     """Return the run that the command line asks for, and its result directory."""
     formats.require(Path(f"results.{args.format}"))

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from . import calibration, mapping, ssp, system
+from . import calibration, mapping, parameters, ssp, system
 from .arguments import seconds
-from .errors import ConfigError
+from .errors import ConfigError, did_you_mean
 
 Chosen = tuple[system.System, dict[str, Path], mapping.Mapping | None, ssp.Package | None]
 
@@ -26,6 +26,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
     parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
     parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
+    parser.add_argument("--parameters", nargs=2, action="append", default=[],
+                        metavar=("COMPONENT", "FILE"),
+                        help="values of a component from a parameter file (.ssv)")  # fmt: skip
     learnt = "calibration.ssv of an earlier run: the observer starts with what it had learnt"
     parser.add_argument("--calibration", type=Path, metavar="FILE", help=learnt)
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
@@ -41,6 +44,8 @@ def choose(args: argparse.Namespace) -> Chosen:
         paths["plant"] = args.plant
     model.interpolate |= args.interpolate
     names = _mapping(args, model)
+    for component, file in args.parameters:
+        _preset(model, component, Path(file))
     if args.calibration is not None:
         calibration.apply(model, args.calibration)
     for text in args.set:
@@ -85,6 +90,16 @@ def _mapping(args: argparse.Namespace, model: system.System) -> mapping.Mapping 
     names = mapping.load(args.map)
     names.apply(model)
     return names
+
+
+def _preset(model: system.System, component: str, file: Path) -> None:
+    """Put the values of a parameter file above those of the system."""
+    if component not in model.components:
+        hint = did_you_mean(component, model.components)
+        raise ConfigError(f"--parameters: {model.path} has no component '{component}'.{hint}")
+    found = parameters.read(file)
+    model.components[component].parameters.update(found)
+    model.overridden.update((component, name) for name in found)
 
 
 def _silent(args: argparse.Namespace) -> bool:

@@ -1,30 +1,32 @@
 """Runs of a sweep on the workers of a dask cluster: one that exists, or one of this machine.
 
-The system travels as one SSP file, once to each worker; its name there is its content hash. A run
-whose worker dies is taken by another one; after some deaths it is recorded as lost.
+Files travel by content: each goes once to each worker, whatever it is called and however many runs
+read it, and lies there under its SHA-256. A run whose worker dies is taken by another one; after
+some deaths it is recorded as lost.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from .errors import ConfigError
-from .ssp_export import Export
-from .sweep_workers import LOST, TRIES, Job, Row, run_one
-from .system import load
+from .study_cases import Job
+from .sweep_bundle import Bundle
+from .sweep_workers import LOST, TRIES, Row, Setup, run_one
 
 HERE = "local"  # in place of an address: a cluster of this machine
 GRACE = "30 s"  # to find the scheduler
 
 
-def cluster(jobs: list[Job], file: Path, fmu_dir: Path, engine: str, address: str,
-            count: int) -> Iterator[Row]:  # fmt: skip
+def cluster(
+    jobs: list[Job], setup: Setup, files: list[Path], address: str, count: int
+) -> Iterator[Row]:
     """Yield rows as runs end on a cluster; `count` workers when it is of this machine.
 
     Raises
@@ -33,8 +35,7 @@ def cluster(jobs: list[Job], file: Path, fmu_dir: Path, engine: str, address: st
         dask is not installed, or there is no scheduler at the address.
     """
     client_type, cluster_type, completed, killed, dask_config = _dask()
-    archive = _packed(file, fmu_dir)
-    digest = hashlib.sha256(archive).hexdigest()
+    bundle = Bundle.of(files)
     with ExitStack() as stack:
         if address == HERE:
             scratch = tempfile.TemporaryDirectory(prefix="dct-harness-dask-")
@@ -48,15 +49,15 @@ def cluster(jobs: list[Job], file: Path, fmu_dir: Path, engine: str, address: st
             client = stack.enter_context(client_type(place, timeout=GRACE))
         except (OSError, TimeoutError, ValueError) as error:
             raise ConfigError(f"--dask {address}: no scheduler there: {error}") from error
-        data = client.scatter(archive, broadcast=True)
-        futures = {client.submit(_apart, job, data, digest, engine, pure=False,
+        blobs = client.scatter(bundle.blobs(), broadcast=True)
+        futures = {client.submit(_apart, job, setup, bundle, blobs, pure=False,
                                  retries=TRIES): job for job in jobs}  # fmt: skip
         for future in completed(futures):
-            number, chosen = futures[future]
+            job = futures[future]
             try:
                 yield future.result()
             except killed:
-                yield {"run": number, **chosen, "verdict": LOST}
+                yield {"run": job.number, **job.chosen, "verdict": LOST}
 
 
 def _dask() -> tuple[Any, Any, Any, Any, Any]:
@@ -69,27 +70,11 @@ def _dask() -> tuple[Any, Any, Any, Any, Any]:
     return Client, LocalCluster, as_completed, KilledWorker, config
 
 
-def _packed(file: Path, fmu_dir: Path) -> bytes:
-    """Return the system with all it needs, as one file."""
-    if file.suffix.lower() == ".ssp":
-        return file.read_bytes()
-    model = load(file)
-    with tempfile.TemporaryDirectory(prefix="dct-harness-sweep-") as folder:
-        out = Path(folder) / "system.ssp"
-        paths = {n: fmu_dir / c.fmu for n, c in model.components.items()}
-        Export(model, paths, None).write(out)
-        return out.read_bytes()
-
-
-def _apart(job: Job, archive: bytes, digest: str, engine: str) -> Row:
-    """Run once on a worker; the file stays in the worker's folder, which goes with it."""
+def _apart(job: Job, setup: Setup, bundle: Bundle, blobs: dict[str, bytes]) -> Row:
+    """Run once on a worker; the files stay in the worker's folder, which goes with it."""
     from distributed import get_worker
 
-    folder = Path(get_worker().local_directory)
-    file = folder / f"{digest}.ssp"
-    if not file.is_file():
-        part = folder / f"{digest}.{os.getpid()}.part"
-        part.write_bytes(archive)
-        os.replace(part, file)
-    with tempfile.TemporaryDirectory(prefix="dct-harness-sweep-") as out:
-        return run_one(file, folder, Path(out), engine, False, job)
+    root = bundle.unpack(Path(get_worker().local_directory), blobs)
+    with tempfile.TemporaryDirectory(prefix=f"dct-harness-sweep-{os.getpid()}-") as out:
+        there = replace(setup, common=bundle.moved(setup.common, root), folder=Path(out))
+        return run_one(there, job._replace(words=bundle.moved(job.words, root)))

@@ -1,6 +1,7 @@
 """What a sweep has done so far: one Parquet file a run, so that a sweep that was cut can go on.
 
-`study.json` says what the runs are of; a store of another study is refused. Each file is written
+Chosen courses of signals lie in a folder beside, one Parquet file a run as well. `study.json` says
+what the runs are of; a store of another study is refused. Each file is written
 beside its name and renamed: it is there whole or not at all, whoever ends the process.
 """
 
@@ -15,13 +16,19 @@ from typing import Any
 from .errors import ConfigError
 from .results import write_text
 
-STUDY = "study.json"
-FOLDER = "store"
+STUDY, PLAN = "study.json", "plan.json"
+FOLDER, COURSES = "store", "courses"
+GOOD = ("pass", "fail", "not judged")  # verdicts of runs that reached their end
 
 
 def digest(*paths: Path) -> dict[str, str]:
     """Return name -> SHA-256 of files that a study depends on."""
     return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in paths}
+
+
+def course_file(out: Path, number: int) -> Path:
+    """Return where the courses of a run lie."""
+    return out / COURSES / f"run-{number:06d}.parquet"
 
 
 class Store:
@@ -35,15 +42,19 @@ class Store:
         ConfigError
             `resume`: what is there is of another study.
         """
-        self._folder = out / FOLDER
+        self._out, self._folder = out, out / FOLDER
         self._arrow = _pyarrow(needed=resume)
         if resume and (out / STUDY).is_file():
             _check(out / STUDY, study)
         else:
-            for old in self._folder.glob("*.parquet"):
+            for old in (*self._folder.glob("*.parquet"), *(out / COURSES).glob("*.parquet")):
                 old.unlink()
         out.mkdir(parents=True, exist_ok=True)
         write_text(out / STUDY, json.dumps(study, indent=2) + "\n")
+
+    def describe(self, plan: dict[str, Any]) -> None:
+        """Write what a report needs to know of the plan."""
+        write_text(self._out / PLAN, json.dumps(plan, indent=2, ensure_ascii=False) + "\n")
 
     def rows(self) -> dict[int, dict[str, Any]]:
         """Return the rows so far by run number."""
@@ -60,14 +71,20 @@ class Store:
         return found
 
     def add(self, row: dict[str, Any]) -> None:
-        """Keep the row of a finished run."""
+        """Keep the row of a finished run; its courses go to a file of their own."""
+        courses = row.pop(COURSES, None)
         if self._arrow is None:
             return
-        arrow, parquet = self._arrow
-        self._folder.mkdir(parents=True, exist_ok=True)
+        if courses:
+            self._write(course_file(self._out, row["run"]), self._arrow[0].table(courses))
         path = self._folder / f"run-{row['run']:06d}.parquet"
+        self._write(path, self._arrow[0].Table.from_pylist([row]))
+
+    def _write(self, path: Path, table: Any) -> None:
+        """Write a file whole, or not at all."""
+        path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(".part")
-        parquet.write_table(arrow.Table.from_pylist([row]), part)
+        self._arrow[1].write_table(table, part)
         os.replace(part, path)
 
 

@@ -1,4 +1,4 @@
-"""`dct-harness sweep`: many runs with parameters drawn from distributions, by a seed."""
+"""`dct-harness sweep`: many runs of a system, as a study file or a few options say."""
 
 from __future__ import annotations
 
@@ -6,51 +6,93 @@ import argparse
 import csv
 import io
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import progress, sampling, system
-from .arguments import Verbs, add_loudness, say, verb
+from . import progress, sampling, study_cases, study_file
+from .arguments import Verbs, add_loudness, say, seconds, verb
+from .errors import ConfigError
 from .kpi.table import aligned, number
 from .results import write_text
 from .run_verb import ENGINES, KPI_FAILS
-from .sweep_dask import cluster
-from .sweep_store import Store, digest
-from .sweep_workers import Job, parallel, run_one, serial
+from .study import DASK, LOCAL, Shown, Study
+from .study_cases import Job
+from .sweep_dask import HERE, cluster
+from .sweep_store import GOOD, Store, digest
+from .sweep_workers import Row, Setup, parallel, run_one, serial
 
 SWEEP_CSV = "sweep.csv"
-EXAMPLES = """sweep loop.toml --vary 'plant.vehicle.mass=uniform(1300,1900)' --runs 50 --seed 7
+EXAMPLES = """sweep examples/study/robustness.toml --jobs 2
+sweep examples/study/robustness.toml --runs 4 --out target/small --resume
+sweep loop.toml --vary 'plant.vehicle.mass=uniform(1300,1900)' --runs 50 --seed 7
 sweep loop.toml --vary 'plant.clutch1.kineticFriction=normal(0.26,0.02)' --out target/sweep
-sweep loop.toml --vary 'observer.method=choice(paper,kalman)' --jobs 2 --engine native
+sweep loop.toml --vary 'observer.observer.method=choice(paper,kalman)' --jobs 2 --engine native
 sweep loop.toml --vary 'plant.vehicle.mass=normal(1500,90)' --sampling sobol --runs 64 --resume"""
+STUDY_FILE = """
+a study file:
+  [study]
+  name = "mass"
+  system = "loop.toml"          # relative to this file
+  sampling = "latin-hypercube"  # random, latin-hypercube, sobol, saltelli, grid
+  runs = 100
+  engine = "native"
+
+  [factors.mass]                # a column of the results, an axis of the report
+  set = "plant.vehicle.mass"    # or a list of several
+  uniform = [0.8, 1.2]          # normal, lognormal, truncated, values
+  relative = true               # times what the parameter has otherwise
+  label = "vehicle mass / nominal"
+
+  [methods]                     # each with everything else; so [scenarios], [presets], [mappings]
+  names = ["paper", "kalman"]
+
+  [[kpis]]                      # what the report shows
+  kpi = "estimation.percentOfRms"
+  signal = "driveShaft.torque"
+  max = 10                      # %; above it the estimate counts as broken
+"""
 HEAD = ["KPI", "signal", "estimate", "least", "median", "95 %", "most"]
 KEYS = ("kpi", "signal", "estimate", "least", "median", "quantile95", "most")
+PLAIN = ("runs", "seed", "sampling", "jobs", "engine", "fmu_dir")  # options that a study has too
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
-    text = "run a system many times with parameters drawn at random, by a seed"
+    text = "run a system many times: a study file, or parameters drawn by a seed"
     parser = verb(verbs, "sweep", sweep, text, EXAMPLES)
-    parser.add_argument("system", type=Path, help="system file")
+    parser.epilog = f"{parser.epilog}{STUDY_FILE}"
+    parser.add_argument("system", type=Path, help="study file, or system file with --vary")
     parser.add_argument(
-        "--vary", action="append", required=True, metavar="DRAW", help=sampling.VARY_HELP
+        "--vary", action="append", default=[], metavar="DRAW", help=sampling.VARY_HELP
     )
-    many = "sets of numbers, each with every set of choices (20)"
-    parser.add_argument("--runs", type=int, default=20, help=many)
-    parser.add_argument("--seed", type=int, default=0, help="same seed, same draws (0)")
-    how = "how numbers are drawn (random)"
-    parser.add_argument("--sampling", choices=sampling.METHODS, default="random", help=how)
-    parser.add_argument("--jobs", type=int, default=1, help="processes at once (1)")
+    many = (f"sets of numbers, each with every set of choices ({Study.runs}); "
+            "saltelli makes factors + 2 times as many, grid combines so many levels")  # fmt: skip
+    parser.add_argument("--runs", type=int, help=many)
+    parser.add_argument("--seed", type=int, help=f"same seed, same draws ({Study.seed})")
+    how = f"how numbers are drawn ({Study.sampling}); saltelli: for Sobol indices"
+    parser.add_argument("--sampling", choices=sampling.METHODS, help=how)
+    parser.add_argument("--jobs", type=int, help=f"processes at once ({Study.jobs})")
+    for name, told in (("scenario", "scenario CSV instead of the file's"),
+                       ("plant", "FMU to use as component 'plant'"),
+                       ("map", "mapping file (.toml): names, units of that plant")):  # fmt: skip
+        parser.add_argument(f"--{name}", type=Path, help=told)
+    parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of every run")
+    parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
+                        help="a parameter or start value of all runs")  # fmt: skip
     there = "run on the workers of a dask scheduler; 'local': --jobs workers of this machine"
     parser.add_argument("--dask", metavar="ADDRESS", help=there)
-    parser.add_argument("--engine", choices=tuple(ENGINES), default="fmpy", help="as for run")
+    engine = f"as for run ({Study.engine})"
+    parser.add_argument("--engine", choices=tuple(ENGINES), help=engine)
     going = "go on with a sweep in OUT that was cut: finished runs are kept"
     parser.add_argument("--resume", action="store_true", help=going)
-    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
-    parser.add_argument("--out", type=Path, default=Path("target/sweep"),
+    again = "with --resume: also make runs again that failed or were lost"
+    parser.add_argument("--retry", action="store_true", help=again)
+    parser.add_argument("--fmu-dir", type=Path, help=f"where FMUs are ({Study.fmu_dir})")
+    parser.add_argument("--out", type=Path,
                         help="folder of sweep.csv and of kept runs (target/sweep)")  # fmt: skip
     parser.add_argument("--keep", action="store_true", help="keep the signals of every run")
     add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
@@ -58,50 +100,82 @@ def add(verbs: Verbs) -> None:
 
 def sweep(args: argparse.Namespace) -> int:
     """Run, write `sweep.csv` and print how the KPIs spread; returns 1 when a run misses a limit."""
-    factors = [sampling.parse(text) for text in args.vary]
-    sets = sampling.points(factors, args.runs, args.seed, args.sampling)
-    store = Store(args.out, _study(args), args.resume)
-    known = {k: row for k, row in store.rows().items() if k <= len(sets)}
-    jobs = [(k, chosen) for k, chosen in enumerate(sets, 1) if k not in known]
+    study = plan(args)
+    out = args.out or (Path("target/study") / study.name if study.file else Path("target/sweep"))
+    jobs = study_cases.jobs(study)
+    files = study_cases.files(study)
+    store = Store(out, {**study.identity(), "files": digest(*files)}, args.resume)
+    store.describe(study.describe())
+    known = {k: row for k, row in store.rows().items() if k <= len(jobs)}
+    if args.retry:
+        known = {k: row for k, row in known.items() if row["verdict"] in GOOD}
+    left = [job for job in jobs if job.number not in known]
+    setup = Setup(study.common, out, args.keep, study.signals, study.every, study.retries)
+    varied = [f.name for f in study.factors] + [axis.name for axis in study.axes]
     try:
         with progress.choose(args.quiet or args.json, unit="run") as shown:
-            for row in _rows(args, jobs):
+            for row in _rows(study, setup, left, files):
                 store.add(row)
                 known[row["run"]] = row
                 if args.verbose:
-                    print(_line(row, [f.name for f in factors]), flush=True)
-                shown.update(len(known), len(sets))
+                    print(_line(row, varied), flush=True)
+                shown.update(len(known), len(jobs))
     finally:  # Ctrl-C keeps the runs so far
         rows = [known[k] for k in sorted(known)]
         if rows:
-            _write(args.out / SWEEP_CSV, rows)
+            _write(out / SWEEP_CSV, rows)
     missed = sum(row["verdict"] not in ("pass", "not judged") for row in rows)
-    _say(args, rows, [f.name for f in factors], missed)
+    _say(args, out, _spread(rows, varied, study.kpis), len(rows), missed)
     return KPI_FAILS if missed else 0
 
 
-def _rows(args: argparse.Namespace, jobs: list[Job]) -> Iterator[dict[str, Any]]:
-    """Yield the row of each run as it ends."""
+def plan(args: argparse.Namespace) -> Study:
+    """Return the study of a file or of the options; options stand above the file.
+
+    Raises
+    ------
+    ConfigError
+        Nothing is varied, or the study file is wrong.
+    """
+    if study_file.is_study(args.system):
+        study = study_file.load(args.system)
+    else:
+        study = Study(args.system.stem, args.system)
+    given = {k: v for k in PLAIN if (v := getattr(args, k)) is not None}
     if args.dask:
-        where = (args.system, args.fmu_dir, args.engine, args.dask, args.jobs)
-        return cluster(jobs, *where)
-    one = partial(run_one, args.system, args.fmu_dir, args.out, args.engine, args.keep)
-    if args.jobs == 1 or len(jobs) < 2:
+        given["executor"] = DASK if args.dask == HERE else args.dask
+    factors = (*study.factors, *map(sampling.parse, args.vary))
+    settings = (*study.settings, *_settings(args))
+    study = replace(study, factors=factors, settings=settings, **given)
+    if not (study.factors or study.axes):
+        raise ConfigError(f"{args.system}: nothing is varied; give --vary {sampling.VARY_HELP}, or "
+                          "a study file with [factors]")  # fmt: skip
+    return study
+
+
+def _settings(args: argparse.Namespace) -> Iterator[str | Path]:
+    """Yield the words of options that all runs have."""
+    for name in ("scenario", "plant", "map"):
+        if getattr(args, name) is not None:
+            yield from (f"--{name}", getattr(args, name))
+    if args.stop is not None:
+        yield from ("--stop", repr(args.stop))
+    for text in args.set:
+        yield from ("--set", text)
+
+
+def _rows(study: Study, setup: Setup, jobs: list[Job], files: list[Path]) -> Iterator[Row]:
+    """Yield the row of each run as it ends."""
+    if study.executor != LOCAL:
+        address = HERE if study.executor == DASK else study.executor
+        return cluster(jobs, setup, files, address, study.jobs)
+    one = partial(run_one, setup)
+    if study.jobs == 1 or len(jobs) < 2:
         return serial(jobs, one)
-    return parallel(jobs, one, min(args.jobs, len(jobs)))
+    return parallel(jobs, one, min(study.jobs, len(jobs)))
 
 
-def _study(args: argparse.Namespace) -> dict[str, Any]:
-    """Return what the rows of a sweep depend on."""
-    model = system.load(args.system)
-    files = [args.system, *([model.scenario] if model.scenario else [])]
-    fmus = [args.fmu_dir / c.fmu for c in model.components.values()]
-    there = [p for p in (*files, *fmus) if p.is_file()]
-    return {"vary": args.vary, "runs": args.runs, "seed": args.seed, "sampling": args.sampling,
-            "engine": args.engine, "files": digest(*there)}  # fmt: skip
-
-
-def _line(row: dict[str, Any], varied: list[str]) -> str:
+def _line(row: Row, varied: list[str]) -> str:
     """Return one run as --verbose prints it."""
     told = (f"{n} = {row[n]:.5g}" if isinstance(row[n], float) else f"{n} = {row[n]}"
             for n in varied)  # fmt: skip
@@ -109,23 +183,19 @@ def _line(row: dict[str, Any], varied: list[str]) -> str:
 
 
 def _say(
-    args: argparse.Namespace, rows: list[dict[str, Any]], varied: list[str], missed: int
+    args: argparse.Namespace, out: Path, spread: list[list[Any]], runs: int, missed: int
 ) -> None:
-    spread, path, verdict = (
-        _spread(rows, varied),
-        args.out / SWEEP_CSV,
-        "fail" if missed else "pass",
-    )
+    path, verdict = out / SWEEP_CSV, "fail" if missed else "pass"
     cells = [[*line[:3], *(number(x, 3) for x in line[3:])] for line in spread]
-    lines = [aligned(HEAD, cells, lambda k: k > 2), "", f"{path}: {len(rows)} runs",
-             f"verdict: {verdict}, {missed} of {len(rows)} runs miss a limit"]  # fmt: skip
+    lines = [aligned(HEAD, cells, lambda k: k > 2), "", f"{path}: {runs} runs",
+             f"verdict: {verdict}, {missed} of {runs} runs miss a limit"]  # fmt: skip
     told = [dict(zip(KEYS, line, strict=True)) for line in spread]
     say(args, "\n".join(lines).lstrip("\n"),
-        {"file": str(path), "runs": len(rows), "missed": missed, "verdict": verdict,
+        {"file": str(path), "runs": runs, "missed": missed, "verdict": verdict,
          "spread": told})  # fmt: skip
 
 
-def _write(path: Path, rows: list[dict[str, Any]]) -> None:
+def _write(path: Path, rows: list[Row]) -> None:
     names = list(dict.fromkeys(name for row in rows for name in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, names, lineterminator="\n")
@@ -135,15 +205,20 @@ def _write(path: Path, rows: list[dict[str, Any]]) -> None:
     write_text(path, text.getvalue())
 
 
-def _spread(rows: list[dict[str, Any]], varied: list[str]) -> list[list[Any]]:
-    """Return KPI, signal, estimate, then least, median, 95 % quantile and most of its values."""
+def _spread(rows: list[Row], varied: list[str], shown: tuple[Shown, ...]) -> list[list[Any]]:
+    """Return KPI, signal, estimate, then least, median, 95 % quantile and most of its values.
+
+    Of a study that says which KPIs it shows, these only.
+    """
     names = list(dict.fromkeys(name for row in rows for name in row))
     found = []
     for name in names:
         known = [row[name] for row in rows if row.get(name) is not None]
-        if name in ("run", "verdict", *varied) or not known:
+        if name in ("run", "verdict", "error", *varied) or not known:
             continue
         key, signal, *estimate = name.split("/")
+        if shown and not any(k.shows(key, signal, "".join(estimate)) for k in shown):
+            continue
         figures = (min(known), np.median(known), np.quantile(known, 0.95), max(known))
         found.append([key, signal, "".join(estimate), *map(float, figures)])
     return found

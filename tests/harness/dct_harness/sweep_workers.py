@@ -6,22 +6,36 @@ new one, then recorded as lost; the other runs go on.
 
 from __future__ import annotations
 
-import json
 import os
-import shutil
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from fnmatch import fnmatch
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from .errors import ConfigError, HarnessError, InterruptedRunError
-from .kpi.scopes import SCENARIO
+import numpy as np
 
-Job = tuple[int, dict[str, Any]]  # run number, chosen values
+from . import run_verb
+from .errors import (
+    ConfigError,
+    FmuRuntimeError,
+    HarnessError,
+    InterruptedRunError,
+    RunTimeoutError,
+    did_you_mean,
+)
+from .kpi.scopes import SCENARIO
+from .results import Results
+from .study import Words
+from .study_cases import Job
+
 Row = dict[str, Any]
+COURSES = "courses"  # of a row: signal -> values
+REPEATED = (FmuRuntimeError, RunTimeoutError)  # what another try may mend
 TRIES = 3  # of a run that takes its process with it
 LOST = "process lost"
 
@@ -37,7 +51,7 @@ def parallel(jobs: list[Job], one: Callable[[Job], Row], count: int) -> Iterator
 
     `one` must be picklable.
     """
-    tries = dict.fromkeys((number for number, _ in jobs), 0)
+    tries = dict.fromkeys((job.number for job in jobs), 0)
     waiting, suspects = list(jobs), list[Job]()
     while waiting or suspects:
         batch = waiting or suspects[:1]
@@ -51,9 +65,9 @@ def parallel(jobs: list[Job], one: Callable[[Job], Row], count: int) -> Iterator
         waiting = []
         suspects = suspects[1:] if alone else suspects
         for job in left:
-            tries[job[0]] += alone
-            if tries[job[0]] >= TRIES:
-                yield {"run": job[0], **job[1], "verdict": LOST}
+            tries[job.number] += alone
+            if tries[job.number] >= TRIES:
+                yield {"run": job.number, **job.chosen, "verdict": LOST}
             else:
                 suspects.append(job)
 
@@ -87,30 +101,59 @@ def _quiet() -> None:
     os.environ["OMP_NUM_THREADS"] = "1"
 
 
-def run_one(
-    file: Path, fmu_dir: Path, folder: Path, engine: str, keep: bool, job: Job
-) -> dict[str, Any]:
-    """Run once; returns the drawn values, the verdict and the KPIs of the whole scenario.
+@dataclass(frozen=True)
+class Setup:
+    """What is the same for all runs of a sweep."""
 
-    A run that fails does not end the sweep: its verdict is its exit code's name.
+    common: Words
+    folder: Path  # of kept runs
+    keep: bool = False  # the signals of every run, not only of those that fail
+    signals: tuple[str, ...] = ()  # globs of courses that a row holds
+    every: float = 0.1  # s between their samples
+    retries: int = 0
+
+
+def run_one(setup: Setup, job: Job) -> Row:
+    """Run once; returns the chosen values, the verdict and the KPIs of the whole scenario.
+
+    A run that fails does not end the sweep: after its retries its verdict is its exit code's
+    name, and `error` says why.
     """
+    for left in range(setup.retries, -1, -1):
+        try:
+            return _done(setup, job)
+        except (ConfigError, InterruptedRunError):
+            raise
+        except HarnessError as error:
+            if not (left and type(error) in REPEATED):
+                return {"run": job.number, **job.chosen, "verdict": f"exit {error.exit_code}",
+                        "error": str(error)}  # fmt: skip
+    raise AssertionError("a loop that returns")
+
+
+def _done(setup: Setup, job: Job) -> Row:
+    """Return the row of a run that reaches its end."""
     from .cli import parser
 
-    number, chosen = job
-    out = folder / f"run-{number:04d}"
-    command = ["run", str(file), "--fmu-dir", str(fmu_dir), "--out", str(out), "-q"]
-    command += ["--engine", engine]
-    command += [word for n, v in chosen.items() for word in ("--set", f"{n}={json.dumps(v)}")]
-    words = parser().parse_args(command)
-    try:
-        words.action(words)
-    except (ConfigError, InterruptedRunError):
-        raise
-    except HarnessError as error:
-        return {"run": number, **chosen, "verdict": f"exit {error.exit_code}"}
-    kpis = json.loads((out / "kpis.json").read_text(encoding="utf-8"))
-    if not keep:
-        shutil.rmtree(out)
+    out = setup.folder / f"run-{job.number:04d}"
+    words = [*map(str, (*setup.common, *job.words)), "--out", str(out), "-q"]
+    told, kpis = run_verb.judged(parser().parse_args(words), setup.keep)
     whole = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
              for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
-    return {"run": number, **chosen, "verdict": kpis["verdict"], **whole}
+    courses = _courses(told, setup.signals, setup.every)
+    more = {COURSES: courses} if courses else {}
+    return {"run": job.number, **job.chosen, "verdict": kpis["verdict"], **whole, **more}
+
+
+def _courses(told: Results, globs: tuple[str, ...], every: float) -> dict[str, Any]:
+    """Return the chosen signals at every so many seconds, `time` first."""
+    if not globs:
+        return {}
+    names = [n for n in told.signals if any(fnmatch(n, glob) for glob in globs)]
+    lost = next((g for g in globs if not any(fnmatch(n, g) for n in names)), None)
+    if lost is not None:
+        hint = did_you_mean(lost, told.signals)
+        raise ConfigError(f"keep.signals: no signal of the run is called '{lost}'.{hint}")
+    wanted = np.arange(0.0, told.time[-1] + every / 2, every)
+    index = np.searchsorted(told.time, wanted - every * 1e-6).clip(max=len(told.time) - 1)
+    return {n: told[n][index].tolist() for n in dict.fromkeys(("time", *names))}

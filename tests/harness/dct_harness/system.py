@@ -45,6 +45,7 @@ class System:
     transforms: dict[str, Transform] = field(default_factory=dict)  # by input
     places: Places = field(default_factory=Places)  # of the keys in the file
     overridden: set[tuple[str, str]] = field(default_factory=set)  # component, variable
+    files: list[Path] = field(default_factory=list)  # parameter files that it names
 
     def at(self, *keys: str | int) -> str:
         """Return `file:line:column` of a key, or of the nearest one above it."""
@@ -115,6 +116,8 @@ def load(path: Path) -> System:
         data.get("kpis", []), head.get("coupling", "gauss-seidel"),
         head.get("interpolate", False), places=document.places,
         transforms=_transforms(data.get("connections", [])),
+        files=[f for c in data["components"].values()
+               for f in parameters.files(path, c.get("parameters", {}))],
     )  # fmt: skip
 
 
