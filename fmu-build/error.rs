@@ -127,6 +127,11 @@ pub enum Error {
         /// Operating system and architecture.
         platform: String,
     },
+    /// There is no probe of this name.
+    UnknownProbe {
+        /// The name.
+        name: String,
+    },
     /// A library could not be loaded or lacks what a check needs.
     Load {
         /// The library.
@@ -219,6 +224,7 @@ impl fmt::Display for Error {
             Self::UnknownPlatform { platform } => {
                 write!(f, "FMI 2.0 has no name for the platform {platform}")
             }
+            Self::UnknownProbe { name } => write!(f, "there is no probe {name}"),
             Self::Load { path, source } => write!(f, "{}: {source}", path.display()),
         }
     }

@@ -33,7 +33,7 @@ mod variables_md;
 mod xml;
 
 pub use archive::package;
-pub use check::{Finding, Replay, Report, Severity, check, check_for, replay};
+pub use check::{Finding, Options, Replay, Report, Severity, check, check_with, probe, replay};
 pub use description::describe;
 pub use error::{Error, Result};
 pub use merge::merge;

@@ -3,12 +3,13 @@
 #![forbid(unsafe_code)]
 
 use clap::{Parser, Subcommand};
-use fmu_build::Report;
 use fmu_build::binary::Version;
 use fmu_build::library::Target;
+use fmu_build::{Options, Report};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Describes, builds and checks FMI 2.0 co-simulation FMUs.
 #[derive(Parser)]
@@ -98,7 +99,10 @@ before its own, going round; they step in the order of the list.\nThe same file 
         out: Option<PathBuf>,
     },
     /// Check FMI 2.0 co-simulation FMUs of any origin; the exit code is 3 when one is invalid.
-    #[command(after_help = "Runs the code of the FMUs: check only those whose origin you know.")]
+    #[command(
+        after_help = "The code of an FMU runs in a process of its own, so that one that crashes, hangs or prints is \
+reported;\nit may still do to your files what you may: check only FMUs whose origin you know."
+    )]
     Check {
         /// FMU files.
         #[arg(required = true, value_name = "FMU")]
@@ -106,10 +110,25 @@ before its own, going round; they step in the order of the list.\nThe same file 
         /// Oldest glibc that their Linux libraries shall run with, e.g. 2.17.
         #[arg(long, value_name = "VERSION")]
         glibc: Option<Version>,
+        /// The longest that one call of an FMU may take.
+        #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+        limit: Duration,
         /// Print one JSON object a line and FMU instead of sentences.
         #[arg(long)]
         json: bool,
     },
+    /// Run the code of an unpacked FMU: what `check` calls.
+    #[command(hide = true)]
+    Probe {
+        name: String,
+        folder: PathBuf,
+        trace: PathBuf,
+    },
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().map_err(|error| error.to_string())?;
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
 /// Exit code when a checked FMU is invalid, the same as that of `dct-harness`.
@@ -159,7 +178,24 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
             fmu_build::replay(&fmus, &options)?;
         }
         Command::Ssp { out } => ssp(out)?,
-        Command::Check { fmus, glibc, json } => return check(&fmus, glibc.as_ref(), json),
+        Command::Check {
+            fmus,
+            glibc,
+            limit,
+            json,
+        } => {
+            let options = Options {
+                glibc,
+                host: Some(std::env::current_exe()?),
+                limit,
+            };
+            return check(&fmus, &options, json);
+        }
+        Command::Probe {
+            name,
+            folder,
+            trace,
+        } => fmu_build::probe(&name, &folder, &trace)?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -204,13 +240,13 @@ fn print_paths(paths: &[PathBuf]) -> io::Result<()> {
 
 fn check(
     fmus: &[PathBuf],
-    glibc: Option<&Version>,
+    options: &Options,
     json: bool,
 ) -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut stdout = io::stdout().lock();
     let mut all_valid = true;
     for fmu in fmus {
-        let report = fmu_build::check_for(fmu, glibc)?;
+        let report = fmu_build::check_with(fmu, options)?;
         if json {
             writeln!(stdout, "{}", report.to_json(fmu))?;
         } else {

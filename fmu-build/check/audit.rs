@@ -40,7 +40,7 @@ pub(super) fn check(folder: &Path, glibc: Option<&Version>, report: &mut Report)
             judge_glibc(&name, &binary, wanted, report);
         }
         if let Some(path) = source_path(&bytes) {
-            report.remark(
+            report.warn(
                 "2.3",
                 format!("{name} names {path}, a file of the machine it was built on"),
             );
@@ -98,7 +98,7 @@ fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
     }
     for other in binary.exports.iter().filter(|export| !ours(export)) {
         let text = format!("{name}: {other} is exported though no importer calls it");
-        report.remark("2.1.1", text);
+        report.warn("2.1.1", text);
     }
     for library in binary
         .libraries
@@ -106,11 +106,11 @@ fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
         .filter(|library| !is_system(library))
     {
         let text = format!("{name} needs {library}, which is no part of the operating system");
-        report.remark("2.3", text);
+        report.warn("2.3", text);
     }
     if let Some(path) = &binary.search_path {
         let text = format!("{name} makes the loader search {path}, a folder of another machine");
-        report.remark("2.3", text);
+        report.warn("2.3", text);
     }
 }
 

@@ -49,10 +49,10 @@ fn judge(entries: &[Entry<'_>], report: &mut Report) {
         if entry.method == STORED && entry.flags & SIZES_FOLLOW != 0 {
             let text =
                 format!("{name} is stored with its size behind it: not to be read as a stream");
-            report.remark("2.3", text);
+            report.warn("2.3", text);
         }
         if !entry.name.is_ascii() {
-            report.remark(
+            report.warn(
                 "2.3",
                 format!("{name} has letters that not every importer can read"),
             );

@@ -6,22 +6,29 @@
 //! ```
 
 mod audit;
+mod child;
 mod container;
 mod native;
 mod parsed;
+mod probe;
 mod replay;
 mod roles;
 mod rules;
-mod run;
+mod trace;
 mod unpack;
 
 use crate::binary::Version;
 use crate::{Result, library};
 use parsed::Description;
+use probe::Probe;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use std::{fmt, fs};
 use unpack::Unpacked;
 
+pub use probe::probe;
 pub use replay::{Replay, replay};
 
 /// Some importers' XML parsers stop at it.
@@ -36,10 +43,11 @@ pub struct Report {
     pub compared: usize,
     /// What is wrong or remarkable, in the order in which it was seen.
     pub findings: Vec<Finding>,
+    trace: Option<PathBuf>,
 }
 
 impl Report {
-    /// Whether the FMU breaks no rule; remarks do not count.
+    /// Whether no finding is an error; warnings do not count.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         self.findings
@@ -68,50 +76,69 @@ impl Report {
         .to_string()
     }
 
+    /// A report whose findings are written to the folder `trace`, too, as soon as they are made.
+    fn written_to(trace: &Path) -> Self {
+        Self {
+            trace: Some(trace.into()),
+            ..Self::default()
+        }
+    }
+
     fn error(&mut self, clause: &'static str, text: impl Into<String>) {
-        let text = text.into();
-        self.findings.push(Finding {
+        self.push(Finding {
             severity: Severity::Error,
-            clause,
-            text,
+            clause: clause.into(),
+            text: text.into(),
         });
     }
 
-    fn remark(&mut self, clause: &'static str, text: impl Into<String>) {
-        let text = text.into();
-        self.findings.push(Finding {
-            severity: Severity::Remark,
-            clause,
-            text,
+    fn warn(&mut self, clause: &'static str, text: impl Into<String>) {
+        self.push(Finding {
+            severity: Severity::Warning,
+            clause: clause.into(),
+            text: text.into(),
         });
+    }
+
+    /// Adds a finding, unless it is there already.
+    fn push(&mut self, finding: Finding) {
+        if self.findings.contains(&finding) {
+            return;
+        }
+        if let Some(folder) = &self.trace {
+            // Where it cannot be written, the folder is gone, and with it whoever would read it.
+            let _ = trace::write(folder, &trace::Line::Found(finding.clone()));
+        }
+        self.findings.push(finding);
     }
 }
 
 /// One thing that is wrong or remarkable.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
     /// How bad it is.
     pub severity: Severity,
     /// Clause of the FMI 2.0.4 standard that it concerns.
-    pub clause: &'static str,
+    pub clause: Cow<'static, str>,
     /// A sentence.
     pub text: String,
 }
 
 /// How bad a [`Finding`] is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The standard is broken: some importer will fail.
     Error,
-    /// Legal but seldom meant.
-    Remark,
+    /// Legal, but some machine or user will stumble over it.
+    Warning,
 }
 
 impl Severity {
     fn word(self) -> &'static str {
         match self {
             Self::Error => "error",
-            Self::Remark => "remark",
+            Self::Warning => "warning",
         }
     }
 }
@@ -123,21 +150,43 @@ impl fmt::Display for Finding {
     }
 }
 
+/// How an FMU is checked.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Oldest glibc that its Linux libraries shall run with; a newer need is an error.
+    pub glibc: Option<Version>,
+    /// Program that runs the FMU's code, called as `PROGRAM probe NAME FOLDER TRACE`, which calls [`probe`]:
+    /// `fmu-build` is one. Without it, this process runs the code, and crashes with it.
+    pub host: Option<PathBuf>,
+    /// The longest that the host waits for one call of the FMU.
+    pub limit: Duration,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            glibc: None,
+            host: None,
+            limit: Duration::from_secs(10),
+        }
+    }
+}
+
 /// Checks the FMI 2.0 co-simulation FMU at `path`.
 ///
-/// Runs the FMU's code in this process: check only FMUs whose origin is known.
+/// Runs the FMU's code in this process: for FMUs of one's own; [`check_with`] can do without.
 ///
 /// # Errors
 /// When the file cannot be opened at all; everything else is a finding.
 pub fn check(path: &Path) -> Result<Report> {
-    check_for(path, None)
+    check_with(path, &Options::default())
 }
 
-/// Like [`check`]; a Linux library that asks for a newer glibc than `glibc` is an error.
+/// Like [`check`], with options.
 ///
 /// # Errors
 /// When the file cannot be opened at all; everything else is a finding.
-pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
+pub fn check_with(path: &Path, options: &Options) -> Result<Report> {
     let (unpacked, description) = opened(path)?;
     let mut report = Report {
         model: description.model_name.clone(),
@@ -150,21 +199,26 @@ pub fn check_for(path: &Path, glibc: Option<&Version>) -> Result<Report> {
     container::check(path, &mut report)?;
     rules::check(&description, &mut report);
     roles::check(&description, &mut report);
-    audit::check(unpacked.folder(), glibc, &mut report)?;
-    check_library(&description, unpacked.folder(), &mut report)?;
+    audit::check(unpacked.folder(), options.glibc.as_ref(), &mut report)?;
+    check_library(&description, unpacked.folder(), options, &mut report)?;
     Ok(report)
 }
 
 /// Unpacks an FMU and reads its description.
 fn opened(path: &Path) -> Result<(Unpacked, Description)> {
     let unpacked = Unpacked::open(path)?;
-    let file = unpacked.folder().join("modelDescription.xml");
+    let description = described(unpacked.folder())?;
+    Ok((unpacked, description))
+}
+
+/// Reads the description of an unpacked FMU.
+fn described(folder: &Path) -> Result<Description> {
+    let file = folder.join("modelDescription.xml");
     let text = fs::read_to_string(&file).map_err(|source| crate::Error::Io {
         path: "modelDescription.xml".into(),
         source,
     })?;
-    let description = parsed::parse(text.trim_start_matches(BYTE_ORDER_MARK))?;
-    Ok((unpacked, description))
+    parsed::parse(text.trim_start_matches(BYTE_ORDER_MARK))
 }
 
 /// Where the library for the machine that runs this program should be.
@@ -184,7 +238,12 @@ impl Library {
     }
 }
 
-fn check_library(description: &Description, folder: &Path, report: &mut Report) -> Result<()> {
+fn check_library(
+    description: &Description,
+    folder: &Path,
+    options: &Options,
+    report: &mut Report,
+) -> Result<()> {
     if description.co_simulation.is_none() {
         return Ok(());
     }
@@ -196,5 +255,17 @@ fn check_library(description: &Description, folder: &Path, report: &mut Report) 
         );
         return Ok(());
     }
-    run::check(&path, folder, description, report)
+    for probe in Probe::ALL {
+        let goes_on = match &options.host {
+            None => probe.run(description, folder, report)?,
+            Some(program) => {
+                let limit = options.limit;
+                child::run(&child::Host { program, limit }, probe, folder, report)?
+            }
+        };
+        if !goes_on {
+            break;
+        }
+    }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! The C interface of an FMU's library, as far as the check calls it. All unsafe code is here.
 #![allow(unsafe_code)]
 
+use super::trace;
 use crate::{Error, Result};
 use libloading::{Library, Symbol};
 use std::cell::RefCell;
@@ -126,6 +127,7 @@ pub(super) struct Binary {
 
 impl Binary {
     pub(super) fn load(path: &Path) -> Result<Self> {
+        trace::announce("its loading");
         // SAFETY: runs the initialisers of the library; the caller of `check` knows its origin.
         let library = unsafe { Library::new(path) };
         let library = library.map_err(|source| Error::Load {
@@ -197,17 +199,24 @@ impl Binary {
         Ok(NonNull::new(component).map(instance))
     }
 
-    /// Looks up a function.
+    /// Looks up a function that is called next.
     ///
     /// # Safety
     /// `F` is the function pointer type that fmi2FunctionTypes.h gives for `name`.
     unsafe fn function<F>(&self, name: &'static str) -> Result<Symbol<'_, F>> {
+        trace::announce(name);
         // SAFETY: promised by the caller.
         let found = unsafe { self.library.get::<F>(name) };
         found.map_err(|source| Error::Load {
             path: self.path.clone(),
             source,
         })
+    }
+}
+
+impl Drop for Binary {
+    fn drop(&mut self) {
+        trace::announce("its unloading");
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::native::{Binary, Instance, Refused, Transition, take_messages};
 use super::parsed::{Description, Kind as Type, ScalarVariable};
-use super::run::resource_uri;
+use super::probe::resource_uri;
 use super::unpack::Unpacked;
 use super::{Library, opened};
 use crate::drive::{self, Calls, Kind, Part, Place, Recorded, Role, Signal, Stimuli};

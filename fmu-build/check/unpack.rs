@@ -81,7 +81,8 @@ impl Drop for Unpacked {
     }
 }
 
-fn new_folder() -> Result<PathBuf> {
+/// A new folder in the temporary directory.
+pub(super) fn new_folder() -> Result<PathBuf> {
     let base = std::env::temp_dir();
     let mut number = 0_u32;
     loop {

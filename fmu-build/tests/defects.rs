@@ -1,0 +1,128 @@
+//! An FMU in C with one defect after another: the check must name each of them, and survive it.
+
+// Clippy knows tests by their attribute; these are their helpers.
+#![allow(clippy::unwrap_used)]
+
+use fmu_build::{Finding, Options, library};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+use std::{env, fs};
+
+const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/lag.c");
+
+const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Lag" guid="{lag}">
+  <CoSimulation modelIdentifier="Lag" canHandleVariableCommunicationStepSize="true" canInterpolateInputs="true"
+    maxOutputDerivativeOrder="1" canGetAndSetFMUstate="true" canSerializeFMUstate="true"
+    canNotUseMemoryManagementFunctions="true" providesDirectionalDerivative="true"/>
+  <LogCategories><Category name="logAll"/></LogCategories>
+  <DefaultExperiment startTime="0" stopTime="5" stepSize="0.01"/>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="0" causality="input"><Real start="1.0"/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="0" causality="input" variability="discrete">
+      <Integer start="3"/></ScalarVariable>
+    <ScalarVariable name="T" valueReference="1" causality="parameter" variability="fixed">
+      <Real min="0.1" start="0.5"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="2" causality="output"><Real/></ScalarVariable>
+    <ScalarVariable name="z" valueReference="3" causality="output"><Real/></ScalarVariable>
+    <ScalarVariable name="m" valueReference="1" causality="output" variability="discrete"><Integer/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs>
+      <Unknown index="4" dependencies=""/><Unknown index="5" dependencies="1"/>
+      <Unknown index="6" dependencies="2"/>
+    </Outputs>
+    <InitialUnknowns><Unknown index="4"/><Unknown index="5"/><Unknown index="6"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>"#;
+
+/// What is wrong with the library, and what the check must say.
+const DEFECTS: &[(&str, &str)] = &[
+    (
+        "CRASH_EXIT",
+        "crashed with signal 11 (invalid memory access) in fmi2ExitInitializationMode",
+    ),
+    (
+        "CRASH_FREE",
+        "crashed with signal 6 (abort) in fmi2FreeInstance; before, it printed",
+    ),
+    (
+        "HANG_TERMINATE",
+        "did not answer within 1 s in fmi2Terminate",
+    ),
+    (
+        "EXIT_ENTER",
+        "ended the process that runs it in fmi2EnterInitializationMode",
+    ),
+    (
+        "PRINTS",
+        "the library prints to the console: \"Licence of Lag Ltd. found",
+    ),
+    (
+        "NO_STRING_STATUS",
+        "Lag.so does not export fmi2GetStringStatus",
+    ),
+];
+
+/// Compiles the library with a defect; packs it.
+fn fmu(folder: &Path, defect: &str) -> PathBuf {
+    let (platform, extension) = library::platform().unwrap();
+    let library = folder.join(defect);
+    let done = Command::new("cc")
+        .args(["-shared", "-fPIC", "-fvisibility=hidden", "-O1", "-w"])
+        .arg(format!("-D{defect}"))
+        .args(["-o".as_ref(), library.as_os_str(), SOURCE.as_ref()])
+        .status()
+        .unwrap();
+    assert!(done.success(), "{defect}");
+    let path = folder.join(format!("{defect}.fmu"));
+    let members = vec![
+        ("modelDescription.xml".into(), DESCRIPTION.into()),
+        (
+            format!("binaries/{platform}/Lag.{extension}"),
+            fs::read(&library).unwrap(),
+        ),
+    ];
+    fmu_build::package(&path, members).unwrap();
+    path
+}
+
+fn findings(folder: &Path, defect: &str) -> Vec<Finding> {
+    let options = Options {
+        host: Some(env!("CARGO_BIN_EXE_fmu-build").into()),
+        limit: Duration::from_secs(1),
+        ..Options::default()
+    };
+    fmu_build::check_with(&fmu(folder, defect), &options)
+        .unwrap()
+        .findings
+}
+
+fn new_folder(name: &str) -> PathBuf {
+    let folder = env::temp_dir().join(format!("fmu-build-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[test]
+fn the_sound_library_has_no_findings() {
+    let folder = new_folder("sound");
+    assert_eq!(findings(&folder, "SOUND"), []);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn every_defect_is_found_and_named_once() {
+    let folder = new_folder("defects");
+    let mut wrong = Vec::new();
+    for (defect, expected) in DEFECTS {
+        let found = findings(&folder, defect);
+        let texts = found.iter().map(|finding| &finding.text);
+        if texts.filter(|text| text.contains(expected)).count() != 1 {
+            wrong.push(format!("{defect}: {expected}? {found:#?}"));
+        }
+    }
+    fs::remove_dir_all(&folder).unwrap();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
