@@ -217,7 +217,8 @@ impl Adaptive {
 
     /// (29) with the innovation held, projected onto friction coefficients that exist.
     ///
-    /// Deviation: the paper has no projection; it is a safety and does not act on its scenario.
+    /// Deviation: the paper has no projection; it is a safety and does not act on its scenario. In a handover a
+    /// clutch that slips keeps a friction that was learnt ([`Friction::adapting`]).
     fn adapt(&mut self, now: &Now, mu_n: [f64; 2], h: f64) {
         let (a, h_twist, e) = (now.model.a_slip(), now.model.h_twist(), self.innovation);
         let Design {
@@ -226,7 +227,9 @@ impl Adaptive {
             ..
         } = now.design;
         let mut bounded = false;
-        for i in (0..2).filter(|i| now.levers[*i].arm > 0.0) {
+        let pressed = now.levers.map(|lever| lever.arm > 0.0);
+        let adapting = self.friction.adapting(pressed, self.lock.engaged());
+        for i in (0..2).filter(|i| adapting[*i]) {
             let Lever { arm, f_n } = now.levers[i];
             let rate = l_c[i] * (-p1 * a[i] * e[0] + p2 * h_twist[i] * e[1]) * arm;
             let bound = |mu: f64| (mu - mu_n[i]) * f_n;

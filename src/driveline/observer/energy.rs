@@ -29,6 +29,8 @@
 //! Outside the proof: the held innovation; L_i is normalised, L/(w_i² + w_0²), which adds
 //! ½ ε̃_i² d(1/L_i)/dt while the force moves; a change of the mode below, where V may jump.
 //!
+//! With both clutches pressed the one that slips keeps a friction that was learnt: V̇ holds for the other.
+//!
 //! **Lock-aware.** sgn(slip) says nothing of an engaged clutch. While the slip stays below 3 rad/s for
 //! 30 ms its ε̂ is frozen and T_ci is the constraint torque. In this mode V, with J_ed moving with J_out,
 //! falls by the same terms. Without lock-awareness the sign does harm (259 % error).
@@ -279,7 +281,9 @@ impl Energy {
         let (g, w, e) = (p.g(sample.gear), self.levers(p, sample), self.innovation);
         let engaged = self.engaged(p, sample);
         let mut bounded = false;
-        for i in (0..2).filter(|i| w[*i] != 0.0 && engaged != Some(*i)) {
+        let holds = [0, 1].map(|i| engaged == Some(i));
+        let adapting = self.friction.adapting(w.map(|w| w != 0.0), holds);
+        for i in (0..2).filter(|i| adapting[*i] && !holds[*i]) {
             let gain = l_c / (w[i] * w[i] + LEVER * LEVER);
             let free = self.epsilon[i] - h * gain * w[i] * (e[0] - g[i] * e[1]);
             let mu_n = settings.mu_n[i];

@@ -58,6 +58,16 @@ impl Friction {
         self.seen[i] >= KNOWN
     }
 
+    /// Clutches whose friction is to be adapted, shape (2), of those that are `pressed`.
+    ///
+    /// With both pressed the speeds leave one direction of the torques nearly undetermined (erratum E5), along
+    /// which errors of the engaged clutch run into the other. So a clutch that slips with a friction that was
+    /// learnt keeps it, and the other is determined.
+    pub fn adapting(&self, pressed: [bool; 2], engaged: [bool; 2]) -> [bool; 2] {
+        let both = pressed == [true; 2];
+        [0, 1].map(|i| pressed[i] && !(both && !engaged[i] && self.known(i)))
+    }
+
     /// Takes the adapted μ̂ of both clutches, signed like their torque, `h` [s] after the last; an engaged
     /// clutch tells nothing.
     pub fn learn(
@@ -85,6 +95,28 @@ impl Friction {
             if alone {
                 self.seen[i] = (self.seen[i] + h).min(KNOWN);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Friction, KNOWN};
+
+    #[test]
+    fn in_a_handover_a_slipping_clutch_keeps_what_was_learnt_of_it() {
+        let learnt = Friction {
+            seen: [0.0, KNOWN],
+            ..Friction::nominal([0.4, 0.1])
+        };
+        let cases = [
+            ([true, true], [false, false], [true, false]),
+            ([true, true], [false, true], [true, true]),
+            ([false, true], [false, false], [false, true]),
+            ([false, false], [false, false], [false, false]),
+        ];
+        for (pressed, engaged, expected) in cases {
+            assert_eq!(learnt.adapting(pressed, engaged), expected, "{pressed:?}");
         }
     }
 }
