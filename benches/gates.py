@@ -9,38 +9,14 @@ its outputs, friction energies included, but not jerk, filtered acceleration and
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from pathlib import Path
-
+import gates_loops
 import numpy as np
-from loops import Loops
+from gate import Gate
 from measure import Bench
 
 FINE, COARSE = 1e-3, 1e-2
 # The worst relative difference at the end of a run that still makes the RK4 peer the same plant.
 SAME_PLANT = 0.02
-
-
-@dataclass
-class Gate:
-    """A measured value and its limit."""
-
-    name: str
-    value: float
-    limit: float
-    unit: str = "x"
-    at_least: bool = False
-    beside: str = ""
-
-    @property
-    def passed(self) -> bool:
-        """Whether the value keeps the limit."""
-        kept = self.value >= self.limit if self.at_least else self.value <= self.limit
-        return bool(kept)
-
-    def summary(self) -> dict:
-        """Return what `summary.json` holds of it."""
-        return asdict(self) | {"value": float(self.value), "passed": self.passed}
 
 
 def ratios(bench: Bench) -> list[Gate]:
@@ -103,24 +79,6 @@ def memory(bench: Bench) -> list[Gate]:
     ]  # fmt: skip
 
 
-def loops(bench: Bench) -> list[Gate]:
-    """Closed loops by the compiled master."""
-    made = Loops(bench.stop, bench.rounds)
-    fmpy, native = np.median(made.engines, axis=0) / made.steps
-    one, two = np.median(made.threads, axis=0)
-    library = Path(bench.empty_c.partition(";")[0])
-    around = made.nothing(library) * 1e9
-    alone = 2 * np.median(bench.cpu_times(FINE, bench.empty_c))
-    return [
-        Gate("loop on fmpy / compiled master", fmpy / native, 70.0, at_least=True,
-             beside=f"{fmpy * 1e6:.3g} / {native * 1e6:.3g} us per step of three FMUs"),
-        Gate("run on 2 threads / on 1", two / one, 1.1,
-             beside=f"CPU time {two * 1e3:.3g} / {one * 1e3:.3g} ms per run"),
-        Gate("master around two empty FMUs", around - alone, 40.0, "ns",
-             beside=f"{around:.0f} ns per step, {alone:.0f} of them in the FMUs"),
-    ]  # fmt: skip
-
-
 def check_peer(bench: Bench) -> None:
     """Refuse to compare with a peer that is not the same plant.
 
@@ -139,7 +97,13 @@ def check_peer(bench: Bench) -> None:
 def measured(bench: Bench) -> list[Gate]:
     """Every gate, in the order of the table."""
     check_peer(bench)
-    return [*ratios(bench), *steps(bench), *starts(bench), *memory(bench), *loops(bench)]
+    return [
+        *ratios(bench),
+        *steps(bench),
+        *starts(bench),
+        *memory(bench),
+        *gates_loops.loops(bench),
+    ]
 
 
 def table(gates: list[Gate]) -> str:

@@ -1,12 +1,15 @@
-"""Closed loops by the compiled master: against the loop on fmpy, on threads, and around nothing.
+"""Closed loops by the compiled master: against loops of other masters, on threads, around nothing.
 
-CPU times of paired rounds. Every engine steps the same FMUs over the same seconds and keeps every
-signal of each step; loading and writing stay out.
+CPU times of paired rounds. Every engine steps the same FMUs over the same seconds; loading and
+writing stay out. ecos keeps no signal, so beside it the compiled master keeps none either; all
+others keep every signal of each step.
 """
 
 from __future__ import annotations
 
 import json
+import resource
+import sys
 import time
 import zipfile
 from collections.abc import Callable
@@ -14,16 +17,24 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import dask_sweep
+import fmpy_loop
+import in_ecos
 import numpy as np
 from dct_harness import system
 from dct_harness.master import Run
 from dct_harness.native import NativeRun
 from measure import ROOT, WORK
+from measure import run as measured
 
 LOOP = ROOT / "examples" / "closed_loop" / "torque_tracking_case1.toml"
 MANY = 20  # runs that are given to threads
 BULK = 3  # runs of the quick engine in one measurement
 NOTHING = 200_000  # steps around two empty FMUs
+SWEPT = 4  # runs on dask; a thousand would be a thousand times the same
+HELD = 5.0  # s; the scenario's instant whose values ecos is given
+SAME_LOOP = 1e-3  # relative; ecos is a Jacobi master
+REPEAT = WORK / "bin" / "repeat"  # by `cargo xtask bench`, from src/master/examples
 INPUTS, OUTPUTS = range(5), range(5, 10)  # value references of the empty C FMU
 
 
@@ -32,6 +43,12 @@ def _cpu(action: Callable[[], Any]) -> float:
     begun = time.process_time()
     action()
     return time.process_time() - begun
+
+
+def _children() -> float:
+    """Return the CPU time of all programs that have ended [s]."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 class _Timed(Run):
@@ -78,13 +95,113 @@ class Loops:
     def native(self, runs: int, threads: int, points: int | None = None) -> float:
         """Return the CPU time of one run by the compiled master [s], over the first `points`."""
         run = self._planned
-        script = np.ascontiguousarray(run.script[:points])
-        work = ([run.plan] * runs, run.times[:points], script, threads)
+        return self._bulk(run.plan, run.script, runs, threads, points)
+
+    def _bulk(
+        self, plan: str, script: np.ndarray, runs: int, threads: int, points: int | None
+    ) -> float:
+        rows = np.ascontiguousarray(script[:points])
+        work = ([plan] * runs, self._planned.times[:points], rows, threads)
         return _cpu(lambda: self.module.run(*work)) / runs
 
     def compiled(self) -> float:
         """Return the CPU time of the loop by the compiled master [s], without loading."""
         return self.native(BULK, 1) - self.native(BULK, 1, points=2)
+
+    def alone(self) -> float:
+        """Return the CPU time of the loop by the compiled master without Python [s]."""
+        return self._program(BULK, None) - self._program(BULK, 2)
+
+    def _program(self, runs: int, points: int | None) -> float:
+        run = self._planned
+        for name, values in (("times", run.times), ("script", run.script)):
+            np.ascontiguousarray(values[:points]).tofile(WORK / f"loop_{name}.bin")
+        (WORK / "loop_plan.json").write_text(run.plan, encoding="utf-8")
+        files = [WORK / f"loop_{name}" for name in ("plan.json", "times.bin", "script.bin")]
+        before = _children()
+        text = measured(REPEAT, *files, runs, 1)
+        if text:
+            raise SystemExit(text)
+        return (_children() - before) / runs
+
+    @cached_property
+    def bulk(self) -> np.ndarray:
+        """CPU time of a loop from Python and without it [s], shape (rounds, 2)."""
+        return np.array([(self.compiled(), self.alone()) for _ in range(self.rounds)])
+
+    def plain(self) -> float:
+        """Return the CPU time of the loop by the plain loop of `fmpy_loop` [s].
+
+        Raises
+        ------
+        SystemExit
+            It does not give the numbers of the compiled master, all bits of them.
+        """
+        run = self._planned
+        times, script = run.times.tolist(), run.script.tolist()
+        loop = fmpy_loop.Loop(json.loads(run.plan), times[-1], script)
+        rows: list[list[float]] = []
+        try:
+            spent = _cpu(lambda: rows.extend(loop.steps(times)))
+        finally:
+            loop.close()
+        ((_, ours, error),) = self.module.run([run.plan], run.times, run.script, 1)
+        if error or not np.array_equal(ours, rows):
+            raise SystemExit(f"the plain loop and the compiled master differ: {error}")
+        return spent
+
+    @cached_property
+    def in_ecos(self) -> np.ndarray:
+        """CPU time of a loop with constant inputs by ecos and by us [s], shape (rounds, 2).
+
+        Neither keeps a signal.
+        """
+        return np.array([(self._ecos(), self._held()) for _ in range(self.rounds)])
+
+    @cached_property
+    def _hold(self) -> np.ndarray:
+        """The scenario's signals at `HELD`, when clutch 1 takes up torque."""
+        run = self._planned
+        return run.script[min(round(HELD / self.model.step), self.steps)]
+
+    def _ecos(self) -> float:
+        plan = json.loads(self._planned.plan)
+        plan["hold"] = dict(zip(plan["script"], self._hold.tolist(), strict=True))
+        path = WORK / "ecos_plan.json"
+        path.write_text(json.dumps(plan), encoding="utf-8")
+        text = measured(sys.executable, in_ecos.__file__, path, self.model.step, self.steps)
+        told = json.loads(text.splitlines()[-1])
+        ours = self._ended(in_ecos.SEEN)
+        if not np.allclose(told["seen"], ours, rtol=SAME_LOOP):
+            raise SystemExit(f"ecos ends at {told['seen']}, the compiled master at {ours}")
+        return told["cpu"]
+
+    def _ended(self, names: tuple[str, ...]) -> np.ndarray:
+        plan = json.dumps({**json.loads(self._planned.plan), "record": names})
+        ((_, rows, error),) = self.module.run([plan], self._planned.times, self._held_script, 1)
+        if error:
+            raise SystemExit(f"compiled master: {error}")
+        return rows[-1]
+
+    @cached_property
+    def _held_script(self) -> np.ndarray:
+        return np.tile(self._hold, (self.steps + 1, 1))
+
+    def _held(self) -> float:
+        plan = json.dumps({**json.loads(self._planned.plan), "record": []})
+        whole, start = (self._bulk(plan, self._held_script, BULK, 1, n) for n in (None, 2))
+        return whole - start
+
+    @cached_property
+    def sweeps(self) -> np.ndarray:
+        """CPU time of a run of a sweep, by dask with the plain loop and by us [s], shape (2).
+
+        A run of either is whole: it opens the FMUs or takes opened ones, starts, steps and frees.
+        The cluster has been started and has done one run before; that is not counted.
+        """
+        run = self._planned
+        work = (json.loads(run.plan), run.times.tolist(), run.script.tolist())
+        return np.array([dask_sweep.cpu(SWEPT, work), self.native(MANY, 2)])
 
     def fmpy(self) -> float:
         """Return the CPU time of the loop on fmpy [s]."""
@@ -94,8 +211,9 @@ class Loops:
 
     @cached_property
     def engines(self) -> np.ndarray:
-        """CPU time of a loop on fmpy and by the compiled master [s], shape (rounds, 2)."""
-        return np.array([(self.fmpy(), self.compiled()) for _ in range(self.rounds)])
+        """CPU time of a loop on fmpy, compiled, and plain on fmpy [s], shape (rounds, 3)."""
+        rounds = range(self.rounds)
+        return np.array([(self.fmpy(), self.compiled(), self.plain()) for _ in rounds])
 
     @cached_property
     def threads(self) -> np.ndarray:

@@ -9,10 +9,11 @@ pub fn steps(project: &Project, flags: &[&str]) -> Vec<Step> {
     let mut measure = project.venv("python", &["benches/run.py"]);
     measure.args(flags);
     vec![
-        project.system_packages(&[Package::Valgrind]),
+        project.system_packages(&[Package::Tbb, Package::Valgrind]),
         project.python_packages(),
         project.fmus(),
         native::module(project),
+        native::repeat(project),
         Step::commands("measure", vec![measure]),
     ]
 }

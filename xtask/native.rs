@@ -41,6 +41,20 @@ pub fn module(project: &Project) -> Step {
     })
 }
 
+/// Puts the program that the benchmarks compare the module with into `target/bench/bin`.
+pub fn repeat(project: &Project) -> Step {
+    let project = project.clone();
+    Step::new(
+        "compiled master without Python, for the benchmarks",
+        move || {
+            let mut install = project.cargo(&["install", "--quiet", "--locked", "--force"]);
+            install.args(["--path", "src/master", "--example", "repeat"]);
+            install.args(["--root", "target/bench", "--no-track"]);
+            with_bindgen(&project, [install])
+        },
+    )
+}
+
 fn with_bindgen<const N: usize>(project: &Project, commands: [Command; N]) -> Result<(), Failure> {
     let bindgen = project.bindgen()?;
     commands.into_iter().try_for_each(|mut command| {

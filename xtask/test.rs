@@ -34,6 +34,7 @@ pub fn steps(project: &Project) -> Vec<Step> {
             clippy(project, &["--manifest-path", MASTER, "--workspace"]),
         ),
         native::module(project),
+        native::repeat(project),
         Step::commands("Python tests", vec![pytest(project)]),
     ]
 }

@@ -77,8 +77,13 @@ pub struct Fmu {
 }
 
 impl Fmu {
-    /// Makes an instance; `inputs` are the ones that will be set, in that order.
-    pub fn new(name: &str, library: Arc<Library>, inputs: &[&Variable]) -> Result<Self, Error> {
+    /// Makes an instance; `inputs` will be set and `outputs` read, in that order.
+    pub fn new(
+        name: &str,
+        library: Arc<Library>,
+        inputs: &[&Variable],
+        outputs: &[&Variable],
+    ) -> Result<Self, Error> {
         let instance = library.import.instantiate_cs(name, false, false);
         let instance = instance.map_err(|_| Error::Call {
             component: name.to_owned(),
@@ -88,7 +93,7 @@ impl Fmu {
         })?;
         Ok(Self {
             inputs: Signals::new(inputs.iter().copied()),
-            outputs: Signals::new(outputs(library.description())),
+            outputs: Signals::new(outputs.iter().copied()),
             name: name.to_owned(),
             instance,
             library,
@@ -97,7 +102,7 @@ impl Fmu {
         })
     }
 
-    /// How many outputs it has.
+    /// How many outputs it reads.
     pub fn outputs(&self) -> usize {
         self.outputs.len()
     }
@@ -137,7 +142,7 @@ impl Fmu {
         done.map_err(|failure| self.failed(failure))
     }
 
-    /// Reads all outputs.
+    /// Reads the outputs in use.
     pub fn get_outputs(&mut self, values: &mut [f64]) -> Result<(), Error> {
         let done = self.outputs.get(&mut self.instance, values);
         done.map_err(|failure| self.failed(failure))

@@ -57,7 +57,7 @@ mod world;
 
 pub use error::Error;
 pub use fmu::{Libraries, Library};
-pub use parallel::{Job, Outcome, run_all};
+pub use parallel::{Job, Outcome, run_all, run_into};
 pub use plan::Plan;
 pub use run::Run;
 pub use scenario::Scenario;

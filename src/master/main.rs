@@ -33,6 +33,7 @@ Examples:
   cosim run examples/closed_loop/paper_case1.toml --out results.csv
   cosim run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
   cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10
+  cosim run examples/closed_loop/paper_case1.toml --record plant.vehicle.speed
 
 Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed; the rows
 before a failure are written.";
@@ -56,6 +57,9 @@ struct RunWords {
     /// A parameter or start value, COMPONENT.VARIABLE=VALUE.
     #[arg(long, value_name = "ASSIGNMENT", value_parser = assignment)]
     set: Vec<(String, String, Value)>,
+    /// A signal to keep, COMPONENT.VARIABLE; may be said again. Without it all are kept.
+    #[arg(long, value_name = "SIGNAL")]
+    record: Vec<String>,
     /// Results: `time` [s], then `component.variable`.
     #[arg(long, value_name = "FILE", default_value = "results.csv")]
     out: PathBuf,
@@ -105,7 +109,8 @@ fn run(words: RunWords) -> Result<String, Error> {
         system.set(&component, &variable, value)?;
     }
     let times = system.times()?;
-    let outcome = outcome(&system, &words.fmu_dir, &times)?;
+    let record = (!words.record.is_empty()).then_some(words.record);
+    let outcome = outcome(&system, &words.fmu_dir, &times, record)?;
     let rows = outcome.rows.len() / outcome.names.len().max(1);
     if rows > 0 {
         write(&words.out, &times, &outcome)?;
@@ -120,10 +125,16 @@ fn run(words: RunWords) -> Result<String, Error> {
     }
 }
 
-fn outcome(system: &System, folder: &Path, times: &[f64]) -> Result<Outcome, Error> {
+fn outcome(
+    system: &System,
+    folder: &Path,
+    times: &[f64],
+    record: Option<Vec<String>>,
+) -> Result<Outcome, Error> {
     let mut libraries = Libraries::default();
     let scenario = Scenario::load(&system.scenario)?;
-    let (plan, held) = system.plan(folder, &scenario, &mut libraries)?;
+    let (mut plan, held) = system.plan(folder, &scenario, &mut libraries)?;
+    plan.record = record;
     let script = scenario.rows(&plan.script, &held, times);
     let job = Job {
         plan,

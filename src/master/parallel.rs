@@ -22,9 +22,9 @@ pub struct Job<'a> {
 /// What came of a run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Names of all signals.
+    /// Names of the recorded signals.
     pub names: Vec<String>,
-    /// Rows of all signals, one after the other.
+    /// Rows of them, one after the other.
     pub rows: Vec<f64>,
     /// Why they are not all there.
     pub error: Option<Error>,
@@ -39,16 +39,58 @@ pub fn run_all(
     threads: NonZero<usize>,
     done: impl Fn(usize, Outcome) + Sync,
 ) {
-    let next = Mutex::new(jobs.iter().enumerate());
-    let take = || next.lock().ok().and_then(|mut jobs| jobs.next());
+    let jobs: Vec<_> = jobs.iter().enumerate().collect();
+    share(jobs, libraries, threads, |(number, job), libraries| {
+        done(number, one(job, libraries));
+    });
+}
+
+/// Makes all runs into rows that are there already, large enough for every one of them.
+///
+/// Returns for each how many rows are good, and why they are not all.
+pub fn run_into(
+    jobs: &[Job<'_>],
+    rows: Vec<&mut [f64]>,
+    libraries: &Libraries,
+    threads: NonZero<usize>,
+) -> Vec<(usize, Option<Error>)> {
+    let mut made: Vec<_> = jobs.iter().map(|_| (0, None)).collect();
+    let work = jobs.iter().zip(rows).zip(&mut made).collect();
+    share(
+        work,
+        libraries,
+        threads,
+        |((job, rows), made), libraries| {
+            *made = match Run::new(&job.plan, libraries) {
+                Ok(run) => {
+                    let (good, done) = run.run(&job.plan, job.times, job.script, rows);
+                    (good, done.err())
+                }
+                Err(error) => (0, Some(error)),
+            };
+        },
+    );
+    made
+}
+
+/// Gives pieces of work to threads, each when it has done its last one.
+fn share<Piece: Send>(
+    pieces: Vec<Piece>,
+    libraries: &Libraries,
+    threads: NonZero<usize>,
+    one: impl Fn(Piece, &mut Libraries) + Sync,
+) {
+    let extra = 1..threads.get().min(pieces.len());
+    let next = Mutex::new(pieces.into_iter());
+    let take = || next.lock().ok().and_then(|mut pieces| pieces.next());
     let work = || {
         let mut libraries = libraries.clone();
-        while let Some((number, job)) = take() {
-            done(number, one(job, &mut libraries));
+        while let Some(piece) = take() {
+            one(piece, &mut libraries);
         }
     };
     thread::scope(|scope| {
-        for _ in 1..threads.get().min(jobs.len()) {
+        for _ in extra {
             scope.spawn(work);
         }
         work();
@@ -56,7 +98,7 @@ pub fn run_all(
 }
 
 /// Makes one run.
-pub fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
+fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
     let run = match Run::new(&job.plan, libraries) {
         Ok(run) => run,
         Err(error) => {
@@ -67,7 +109,7 @@ pub fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
             };
         }
     };
-    let names = run.names().to_vec();
+    let names = run.names();
     let mut rows = vec![0.0; job.times.len() * names.len()];
     let (good, done) = run.run(&job.plan, job.times, job.script, &mut rows);
     rows.truncate(good * names.len());

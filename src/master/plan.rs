@@ -15,6 +15,10 @@ pub struct Plan {
     pub coupling: Coupling,
     /// Names of the scenario's signals that are in use, without `scenario.`.
     pub script: Vec<String>,
+    /// Signals that are kept of every step; all of them when none are named. Outputs that are
+    /// neither kept nor read by an input are not asked for.
+    #[serde(default)]
+    pub record: Option<Vec<String>>,
 }
 
 /// When an output reaches the inputs that read it.

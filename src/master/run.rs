@@ -18,7 +18,10 @@ const SETTLED: f64 = 1e-14;
 /// outputs of each FMU.
 pub struct Run {
     parts: Vec<Part>,
-    names: Vec<String>,
+    /// Names of the signals of the world.
+    all: Vec<String>,
+    /// Places of the recorded ones; `None`: all, as they lie.
+    kept: Option<Vec<usize>>,
     script: usize,
     world: Vec<f64>,
     coupling: Coupling,
@@ -64,12 +67,13 @@ impl Run {
         let opened = plan.components.iter().map(|c| libraries.open(&c.fmu));
         let opened: Vec<_> = opened.collect::<Result<_, _>>()?;
         let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
-        let names = world::names(plan, &descriptions);
+        let read = world::outputs(plan, &descriptions)?;
+        let all = world::names(plan, &read);
         let mut parts = vec![];
         let mut first = plan.script.len();
-        for (component, library) in plan.components.iter().zip(&opened) {
-            let (gather, inputs) = Gather::new(component, library.description(), &names)?;
-            let fmu = Fmu::new(&component.name, library.clone(), &inputs)?;
+        for ((component, library), outputs) in plan.components.iter().zip(&opened).zip(&read) {
+            let (gather, inputs) = Gather::new(component, library.description(), &all)?;
+            let fmu = Fmu::new(&component.name, library.clone(), &inputs, outputs)?;
             let outputs = first..first + fmu.outputs();
             first = outputs.end;
             parts.push(Part {
@@ -81,22 +85,40 @@ impl Run {
         }
         Ok(Self {
             parts,
-            world: vec![0.0; names.len()],
-            names,
+            world: vec![0.0; all.len()],
+            kept: world::places(&all, plan.record.as_deref()),
+            all,
             script: plan.script.len(),
             coupling: plan.coupling,
         })
     }
 
-    /// Names of all signals, in the order of a row.
-    pub fn names(&self) -> &[String] {
-        &self.names
+    /// Names of the signals that a run of `plan` records, in the order of a row.
+    pub fn recorded(plan: &Plan, libraries: &mut Libraries) -> Result<Vec<String>, Error> {
+        if let Some(record) = &plan.record {
+            return Ok(record.clone());
+        }
+        let opened = plan.components.iter().map(|c| libraries.open(&c.fmu));
+        let opened: Vec<_> = opened.collect::<Result<_, _>>()?;
+        let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
+        Ok(world::names(plan, &world::outputs(plan, &descriptions)?))
+    }
+
+    /// Names of the recorded signals, in the order of a row.
+    pub fn names(&self) -> Vec<String> {
+        match &self.kept {
+            None => self.all.clone(),
+            Some(kept) => kept
+                .iter()
+                .filter_map(|k| self.all.get(*k).cloned())
+                .collect(),
+        }
     }
 
     /// Runs over `times` [s], the first of which is the start.
     ///
-    /// `script` has a row of scenario signals for each time, and `rows` takes a row of all signals
-    /// for each; both row by row, as they are made. Returns how many rows are good, and why they
+    /// `script` has a row of scenario signals for each time, and `rows` takes a row of the
+    /// recorded signals for each; both row by row, as they are made. Returns how many rows are good, and why they
     /// are not all.
     pub fn run(
         mut self,
@@ -105,7 +127,7 @@ impl Run {
         script: &[f64],
         rows: &mut [f64],
     ) -> (usize, Result<(), Error>) {
-        let width = self.names.len().max(1);
+        let width = self.kept.as_ref().map_or(self.all.len(), Vec::len);
         let scripted = |k: usize| script.get(k * self.script..(k + 1) * self.script);
         let mut recorder = Recorder {
             rows,
@@ -172,7 +194,7 @@ impl Run {
         let value = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(f64::NAN);
         changing.map_or(Ok(()), |k| {
             Err(Error::Value {
-                name: self.names.get(k).cloned().unwrap_or_default(),
+                name: self.all.get(k).cloned().unwrap_or_default(),
                 value: value(&self.world, k),
                 time: 0.0,
                 what: "it does not settle; the loop is algebraic",
@@ -211,12 +233,12 @@ impl Run {
             .world
             .iter()
             .fold(true, |all, value| all & value.is_finite());
-        recorder.push(&self.world, finite);
+        recorder.push(&self.world, self.kept.as_deref(), finite);
         if finite {
             return Ok(());
         }
         let bad = self
-            .names
+            .all
             .iter()
             .zip(&self.world)
             .find(|(_, value)| !value.is_finite());
@@ -240,12 +262,18 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    fn push(&mut self, row: &[f64], good: bool) {
+    fn push(&mut self, world: &[f64], kept: Option<&[usize]>, good: bool) {
         let begin = self.done * self.width;
-        if let Some(place) = self.rows.get_mut(begin..begin + row.len()) {
-            place.copy_from_slice(row);
-            self.done += usize::from(good);
+        let Some(row) = self.rows.get_mut(begin..begin + self.width) else {
+            return;
+        };
+        match kept {
+            None => row.copy_from_slice(world),
+            Some(places) => row.iter_mut().zip(places).for_each(|(value, place)| {
+                *value = world.get(*place).copied().unwrap_or(f64::NAN);
+            }),
         }
+        self.done += usize::from(good);
     }
 }
 

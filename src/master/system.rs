@@ -189,6 +189,7 @@ impl System {
             components,
             coupling: self.coupling,
             script,
+            record: None,
         };
         Ok((plan, held))
     }

@@ -4,18 +4,67 @@ use crate::description::{Causality, Description, Variable};
 use crate::error::Error;
 use crate::fmu;
 use crate::plan::{Component, Input, Plan};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-/// Names of all values, as `component.variable`: the scenario's first, then the outputs of each
-/// component in the plan's order.
-pub fn names(plan: &Plan, descriptions: &[&Description]) -> Vec<String> {
-    let script = plan.script.iter().map(|name| format!("scenario.{name}"));
-    let outputs = plan.components.iter().zip(descriptions);
-    let outputs = outputs.flat_map(|(component, description)| {
-        let all = fmu::outputs(description).into_iter();
+/// Outputs of each component that are read or recorded, in the plan's order.
+///
+/// # Errors
+///
+/// A recorded signal that does not exist.
+pub fn outputs<'a>(
+    plan: &Plan,
+    descriptions: &[&'a Description],
+) -> Result<Vec<Vec<&'a Variable>>, Error> {
+    let components = plan.components.iter().zip(descriptions);
+    let all: Vec<_> = components
+        .map(|(component, description)| (&component.name, fmu::outputs(description)))
+        .collect();
+    let Some(record) = &plan.record else {
+        return Ok(all.into_iter().map(|(_, outputs)| outputs).collect());
+    };
+    let full = |name: &str, variable: &Variable| format!("{name}.{}", variable.name);
+    let every = all.iter().flat_map(|(name, outputs)| {
+        let names = outputs.iter().map(|variable| full(name, variable));
+        names.collect::<Vec<_>>()
+    });
+    let known: HashSet<String> = scripted(plan).chain(every).collect();
+    if let Some(missing) = record.iter().find(|name| !known.contains(*name)) {
+        return Err(Error::variable(
+            missing,
+            "of the recorded signals does not exist",
+        ));
+    }
+    let inputs = plan
+        .components
+        .iter()
+        .flat_map(|component| &component.inputs);
+    let read = inputs.map(|input| &input.source);
+    let wanted: HashSet<&String> = read.chain(record).collect();
+    let chosen = all.into_iter().map(|(name, mut outputs)| {
+        outputs.retain(|variable| wanted.contains(&full(name, variable)));
+        outputs
+    });
+    Ok(chosen.collect())
+}
+
+/// Names of all values, as `component.variable`: the scenario's first, then those of `outputs`.
+pub fn names(plan: &Plan, outputs: &[Vec<&Variable>]) -> Vec<String> {
+    let outputs = plan.components.iter().zip(outputs);
+    let outputs = outputs.flat_map(|(component, outputs)| {
+        let all = outputs.iter();
         all.map(|variable| format!("{}.{}", component.name, variable.name))
     });
-    script.chain(outputs).collect()
+    scripted(plan).chain(outputs).collect()
+}
+
+/// Where recorded signals lie among `names`; `None` for all.
+pub fn places(names: &[String], record: Option<&[String]>) -> Option<Vec<usize>> {
+    let place = |wanted: &String| names.iter().position(|name| name == wanted);
+    record.map(|record| record.iter().filter_map(place).collect())
+}
+
+fn scripted(plan: &Plan) -> impl Iterator<Item = String> {
+    plan.script.iter().map(|name| format!("scenario.{name}"))
 }
 
 /// Gathers the inputs of one component from the world.

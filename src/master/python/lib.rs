@@ -4,17 +4,17 @@
 //! names, rows, error = cosim_native.run([plan_as_json], times, script, threads=1)[0]
 //! ```
 
-use cosim_master::{Error, Job, Libraries, Outcome, Plan, run_all};
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use cosim_master::{Error, Job, Libraries, Plan, Run, run_into};
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PySlice;
 use std::num::NonZero;
-use std::sync::Mutex;
 
-/// Names of the signals, their rows, and why the rows are not all there.
+/// Names of the recorded signals, their rows, and why the rows are not all there.
 type Made<'py> = (
     Vec<String>,
-    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyAny>,
     Option<(&'static str, String)>,
 );
 
@@ -36,58 +36,49 @@ fn run<'py>(
 ) -> PyResult<Vec<Made<'py>>> {
     let (times, script) = (times.as_slice()?, script.as_slice()?);
     let threads = NonZero::new(threads).ok_or_else(|| value_error("threads must be above 0"))?;
-    let jobs = plans.iter().map(|text| {
-        let plan: Plan =
-            serde_json::from_str(text).map_err(|error| value_error(&error.to_string()))?;
-        if script.len() != times.len() * plan.script.len() {
-            return Err(value_error(
-                "script needs a row for each time, a column for each signal",
-            ));
-        }
-        Ok(Job {
-            plan,
-            times,
-            script,
-        })
-    });
+    let jobs = plans.iter().map(|text| job(text, times, script));
     let jobs: Vec<Job<'_>> = jobs.collect::<PyResult<_>>()?;
-    let outcomes = py.detach(|| outcomes(&jobs, threads));
-    outcomes
-        .into_iter()
-        .map(|outcome| made(py, outcome?))
-        .collect()
+    let mut libraries = Libraries::default();
+    // What does not open is told by the run that needs it.
+    let names = jobs
+        .iter()
+        .map(|job| Run::recorded(&job.plan, &mut libraries).unwrap_or_default());
+    let names: Vec<_> = names.collect();
+    // NumPy's own memory: it asks for large pages, so that filling it costs less.
+    let tables: Vec<_> = names
+        .iter()
+        .map(|names| PyArray2::<f64>::zeros(py, [times.len(), names.len()], false))
+        .collect();
+    let mut open: Vec<_> = tables.iter().map(|table| table.readwrite()).collect();
+    let rows = open.iter_mut().map(|table| table.as_slice_mut());
+    let rows: Vec<&mut [f64]> = rows.collect::<Result<_, _>>()?;
+    let made = py.detach(|| run_into(&jobs, rows, &libraries, threads));
+    drop(open);
+    let all = names.into_iter().zip(tables).zip(made);
+    all.map(|((names, table), (good, error))| {
+        let rows = table.get_item(PySlice::new(py, 0, isize::try_from(good)?, 1))?;
+        let error = error.map(|error| (kind(&error), error.to_string()));
+        Ok((names, rows, error))
+    })
+    .collect()
+}
+
+fn job<'a>(text: &str, times: &'a [f64], script: &'a [f64]) -> PyResult<Job<'a>> {
+    let plan: Plan = serde_json::from_str(text).map_err(|error| value_error(&error.to_string()))?;
+    if script.len() != times.len() * plan.script.len() {
+        return Err(value_error(
+            "script needs a row for each time, a column for each signal",
+        ));
+    }
+    Ok(Job {
+        plan,
+        times,
+        script,
+    })
 }
 
 fn value_error(what: &str) -> PyErr {
     PyValueError::new_err(what.to_owned())
-}
-
-fn outcomes(jobs: &[Job<'_>], threads: NonZero<usize>) -> Vec<PyResult<Outcome>> {
-    let slots: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
-    let mut libraries = Libraries::default();
-    for component in jobs.iter().flat_map(|job| &job.plan.components) {
-        // What does not open is told by the run that needs it.
-        let _ = libraries.open(&component.fmu);
-    }
-    run_all(jobs, &libraries, threads, |number, outcome| {
-        if let Some(Ok(mut slot)) = slots.get(number).map(Mutex::lock) {
-            *slot = Some(outcome);
-        }
-    });
-    let lost = || value_error("a run was lost");
-    let made = slots
-        .into_iter()
-        .map(|slot| slot.into_inner().ok().flatten());
-    made.map(|outcome| outcome.ok_or_else(lost)).collect()
-}
-
-fn made(py: Python<'_>, outcome: Outcome) -> PyResult<Made<'_>> {
-    let width = outcome.names.len();
-    let samples = outcome.rows.len().checked_div(width).unwrap_or_default();
-    let rows = numpy::PyArray1::from_vec(py, outcome.rows).reshape([samples, width])?;
-    debug_assert_eq!(rows.shape(), [samples, width]);
-    let error = outcome.error.map(|error| (kind(&error), error.to_string()));
-    Ok((outcome.names, rows, error))
 }
 
 fn kind(error: &Error) -> &'static str {

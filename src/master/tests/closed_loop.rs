@@ -210,6 +210,11 @@ fn a_mistake_is_told_with_its_exit_code() {
             "'plant.nothing' does not exist",
         ),
         (
+            vec!["run", &system, "--fmu-dir", &fmus, "--record", "plant.sped"],
+            2,
+            "'plant.sped' of the recorded signals does not exist",
+        ),
+        (
             vec!["run", &system, "--fmu-dir", &fmus, "--set", "plnt.a=1"],
             2,
             "no such component",
@@ -246,6 +251,36 @@ fn a_mistake_is_told_with_its_exit_code() {
         let told = String::from_utf8_lossy(&done.stderr).into_owned();
         assert_eq!(done.status.code(), Some(code), "{words:?}: {told}");
         assert!(told.contains(text), "{words:?}: {told}");
+    }
+}
+
+#[test]
+fn recorded_signals_are_those_of_a_run_that_keeps_all() {
+    let names = [
+        "observer.driveShaft.torque",
+        "scenario.engine.torque",
+        "plant.engine.speed",
+    ];
+    let system = shipped("torque_tracking_case1.toml");
+    let out = TempDir::new().unwrap();
+    let all = Loop {
+        system: system.clone(),
+        words: &[],
+    }
+    .by_master(out.path());
+    let words: Vec<&str> = names.iter().flat_map(|name| ["--record", name]).collect();
+    let some = Loop {
+        system,
+        words: &words,
+    }
+    .by_master(out.path());
+    assert_eq!(some.0, ["time", names[0], names[1], names[2]]);
+    for name in names {
+        assert_eq!(column(&some, name), column(&all, name), "{name}");
+        assert!(
+            column(&some, name).iter().any(|value| *value != 0.0),
+            "{name}"
+        );
     }
 }
 
