@@ -89,17 +89,10 @@ fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
         let right = binary.platforms.first().unwrap_or(&"no platform of FMI");
         report.error("2.3", format!("{name} is a library for {right}"));
     }
-    let ours = |name: &str| native::FUNCTIONS.contains(&name);
-    for missing in native::FUNCTIONS
-        .iter()
-        .filter(|f| !binary.exports.iter().any(|e| e == *f))
-    {
-        report.error("2.1.1", format!("{name} does not export {missing}"));
-    }
-    for other in binary.exports.iter().filter(|export| !ours(export)) {
-        let text = format!("{name}: {other} is exported though no importer calls it");
-        report.warn("2.1.1", text);
-    }
+    let exported = |name: &&&str| binary.exports.iter().any(|export| export == **name);
+    let missing = native::FUNCTIONS.iter().filter(|name| !exported(name));
+    lacks(name, &missing.copied().collect::<Vec<_>>(), report);
+    judge_exports(name, binary, report);
     for library in binary
         .libraries
         .iter()
@@ -111,6 +104,28 @@ fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
     if let Some(path) = &binary.search_path {
         let text = format!("{name} makes the loader search {path}, a folder of another machine");
         report.warn("2.3", text);
+    }
+}
+
+/// Reports the functions of FMI 2.0 that a library lacks.
+pub(super) fn lacks(name: &str, functions: &[&str], report: &mut Report) {
+    if !functions.is_empty() {
+        let text = format!("{name} does not export {}", functions.join(", "));
+        report.error("2.1.1", text);
+    }
+}
+
+/// Symbols that no importer looks up: each can clash with one of the same name in another library.
+fn judge_exports(name: &str, binary: &Binary, report: &mut Report) {
+    let is_fmi = |export: &&String| export.starts_with("fmi2") || export.starts_with("fmi3");
+    let others: Vec<_> = binary.exports.iter().filter(|e| !is_fmi(e)).collect();
+    if let [first, more @ ..] = others.as_slice() {
+        let more = match more.len() {
+            0 => String::new(),
+            count => format!(" and {count} more symbols"),
+        };
+        let text = format!("{name} exports {first}{more}, which no importer calls");
+        report.warn("2.1.1", text);
     }
 }
 

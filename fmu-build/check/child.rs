@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// Between two looks at the process.
 const PAUSE: Duration = Duration::from_millis(2);
-/// Printed text that a finding shows [bytes].
+/// Printed text that a finding shows [characters].
 const SHOWN: usize = 120;
 
 /// The program that runs probes, and its patience.
@@ -158,12 +158,13 @@ fn output_file(trace: &Path) -> PathBuf {
     trace.join("output")
 }
 
-/// The beginning of what was printed.
+/// The first line of what was printed.
 fn printed(trace: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     let file = File::open(output_file(trace)).ok()?;
     file.take(1 << 16).read_to_end(&mut bytes).ok()?;
     let text = String::from_utf8_lossy(&bytes);
-    let text: String = text.trim().chars().take(SHOWN).collect();
+    let first = text.trim().lines().next().unwrap_or_default();
+    let text: String = first.chars().take(SHOWN).collect();
     (!text.is_empty()).then_some(text)
 }

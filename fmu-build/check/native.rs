@@ -1,6 +1,10 @@
 //! The C interface of an FMU's library, as far as the check calls it. All unsafe code is here.
 #![allow(unsafe_code)]
 
+mod abilities;
+
+pub(super) use abilities::Saved;
+
 use super::trace;
 use crate::{Error, Result};
 use libloading::{Library, Symbol};
@@ -72,8 +76,8 @@ type Logger = extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *
 #[repr(C)]
 struct Callbacks {
     logger: Logger,
-    allocate_memory: extern "C" fn(usize, usize) -> *mut c_void,
-    free_memory: extern "C" fn(*mut c_void),
+    allocate_memory: Option<extern "C" fn(usize, usize) -> *mut c_void>,
+    free_memory: Option<extern "C" fn(*mut c_void)>,
     step_finished: *const c_void,
     component_environment: *mut c_void,
 }
@@ -161,8 +165,13 @@ impl Binary {
             .into_owned())
     }
 
-    /// Instantiates; `None` when the FMU refuses.
-    pub(super) fn instantiate(&self, guid: &str, resources: &str) -> Result<Option<Instance<'_>>> {
+    /// Instantiates, with the importer's functions for memory or without; `None` when the FMU refuses.
+    pub(super) fn instantiate(
+        &self,
+        guid: &str,
+        resources: &str,
+        memory: bool,
+    ) -> Result<Option<Instance<'_>>> {
         type Instantiate = extern "C" fn(
             *const c_char,
             c_int,
@@ -176,8 +185,8 @@ impl Binary {
         let call = unsafe { self.function::<Instantiate>("fmi2Instantiate")? };
         let callbacks = Box::new(Callbacks {
             logger,
-            allocate_memory,
-            free_memory,
+            allocate_memory: memory.then_some(allocate_memory),
+            free_memory: memory.then_some(free_memory),
             step_finished: std::ptr::null(),
             component_environment: std::ptr::null_mut(),
         });
@@ -292,6 +301,11 @@ impl Instance<'_> {
         self.set("fmi2SetBoolean", reference, c_int::from(value))
     }
 
+    pub(super) fn set_string(&self, reference: u32, value: &str) -> Result<Called> {
+        let text = c_text(value);
+        self.set("fmi2SetString", reference, text.as_ptr())
+    }
+
     pub(super) fn do_step(&self, time: f64, step: f64) -> Result<Called> {
         type DoStep = extern "C" fn(Component, f64, f64, c_int) -> Status;
         // SAFETY: the type of fmi2DoStep in fmi2FunctionTypes.h.
@@ -347,6 +361,7 @@ pub(super) enum Transition {
     ExitInitializationMode,
     Terminate,
     Reset,
+    CancelStep,
 }
 
 impl Transition {
@@ -356,6 +371,7 @@ impl Transition {
             Self::ExitInitializationMode => "fmi2ExitInitializationMode",
             Self::Terminate => "fmi2Terminate",
             Self::Reset => "fmi2Reset",
+            Self::CancelStep => "fmi2CancelStep",
         }
     }
 }

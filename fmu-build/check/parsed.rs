@@ -53,6 +53,18 @@ pub(super) struct CoSimulation {
     pub can_save: bool,
     #[serde(rename = "@canSerializeFMUstate", default)]
     pub can_serialize: bool,
+    #[serde(rename = "@canHandleVariableCommunicationStepSize", default)]
+    pub variable_step: bool,
+    #[serde(rename = "@canInterpolateInputs", default)]
+    pub interpolates: bool,
+    #[serde(rename = "@maxOutputDerivativeOrder", default)]
+    pub output_derivatives: u32,
+    #[serde(rename = "@providesDirectionalDerivative", default)]
+    pub directional: bool,
+    #[serde(rename = "@canBeInstantiatedOnlyOncePerProcess", default)]
+    pub only_once: bool,
+    #[serde(rename = "@canNotUseMemoryManagementFunctions", default)]
+    pub own_memory: bool,
 }
 
 /// `DefaultExperiment`.
@@ -239,6 +251,16 @@ pub(super) struct Unknown {
     pub dependencies: Option<String>,
     #[serde(rename = "@dependenciesKind")]
     pub dependencies_kind: Option<String>,
+}
+
+impl Unknown {
+    /// Whether it names the variable at this index, or names none and so means all.
+    pub fn may_depend_on(&self, index: usize) -> bool {
+        self.dependencies.as_ref().is_none_or(|named| {
+            let mut indices = named.split_whitespace().map(str::parse);
+            indices.any(|named| named == Ok(index))
+        })
+    }
 }
 
 pub(super) fn parse(text: &str) -> Result<Description> {

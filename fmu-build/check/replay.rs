@@ -87,7 +87,7 @@ impl Opened {
         let resources = resource_uri(self.unpacked.folder());
         let instance = self
             .binary
-            .instantiate(&self.description.guid, &resources)?;
+            .instantiate(&self.description.guid, &resources, true)?;
         let variables = self.description.variables().iter();
         Ok(Running {
             instance: instance.ok_or_else(|| refused("fmi2Instantiate", 3))?,
@@ -164,7 +164,7 @@ impl Part for Running<'_> {
     }
 }
 
-fn refused(function: &'static str, status: i32) -> Error {
+pub(super) fn refused(function: &'static str, status: i32) -> Error {
     Error::Refused {
         function,
         status,
@@ -172,6 +172,7 @@ fn refused(function: &'static str, status: i32) -> Error {
     }
 }
 
-fn done<T>(called: std::result::Result<T, Refused>) -> Result<T> {
+/// A refusal as an error, with what the FMU logged.
+pub(super) fn done<T>(called: std::result::Result<T, Refused>) -> Result<T> {
     called.map_err(|call| refused(call.function, call.status))
 }

@@ -1,13 +1,20 @@
 //! What is tried with an FMU's library: each probe begins with a library that was loaded just now.
 
+mod dependencies;
+mod derivatives;
 mod life;
+mod repeat;
 mod session;
+mod settings;
+mod slopes;
+mod states;
+mod stimuli;
 mod value;
 
 use super::native::Binary;
 use super::parsed::Description;
 use super::trace::{self, End, Line};
-use super::{Library, Report};
+use super::{Library, Report, audit};
 use crate::{Error, Result};
 use session::Session;
 pub(super) use session::resource_uri;
@@ -19,15 +26,41 @@ use std::{process, thread};
 pub(super) enum Probe {
     /// The life cycle, and every start value.
     Life,
+    /// The same run after fmi2Reset, in a new instance, beside another one.
+    Repeat,
+    /// FMU states, in memory and as bytes.
+    States,
+    /// Dependencies that ModelStructure does not name.
+    Dependencies,
+    /// What is set stays set; memory, log categories, fmi2CancelStep.
+    Settings,
+    /// Directional derivatives.
+    Derivatives,
+    /// Slopes of inputs and outputs, steps of another size.
+    Slopes,
 }
 
 impl Probe {
     /// The first tells whether the others make sense.
-    pub(super) const ALL: [Self; 1] = [Self::Life];
+    pub(super) const ALL: [Self; 7] = [
+        Self::Life,
+        Self::Repeat,
+        Self::States,
+        Self::Dependencies,
+        Self::Settings,
+        Self::Derivatives,
+        Self::Slopes,
+    ];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Life => "life",
+            Self::Repeat => "repeat",
+            Self::States => "states",
+            Self::Dependencies => "dependencies",
+            Self::Settings => "settings",
+            Self::Derivatives => "derivatives",
+            Self::Slopes => "slopes",
         }
     }
 
@@ -47,20 +80,44 @@ impl Probe {
             }
         };
         let missing = binary.missing();
-        for name in &missing {
-            report.error(
-                "2.1.1",
-                format!("{} does not export {name}", library.member),
-            );
-        }
+        audit::lacks(&library.member, &missing, report);
         if !missing.is_empty() {
             return Ok(false);
         }
         let session = Session::new(&binary, description, folder);
-        match self {
-            Self::Life => life::check(&session, report),
-        }
+        let tried = match self {
+            Self::Life => return life::check(&session, report),
+            Self::Repeat => repeat::check(&session, report),
+            Self::States => states::check(&session, report),
+            Self::Dependencies => dependencies::check(&session, report),
+            Self::Settings => settings::check(&session, report),
+            Self::Derivatives => derivatives::check(&session, report),
+            Self::Slopes => slopes::check(&session, report),
+        };
+        refusal(tried, &session, report).map(|()| true)
     }
+}
+
+/// A refused call ends a probe. It is a finding; one of a step may be due to its size, if no size is proposed.
+fn refusal(tried: Result<()>, session: &Session<'_>, report: &mut Report) -> Result<()> {
+    let Err(Error::Refused {
+        function,
+        status,
+        messages,
+    }) = tried
+    else {
+        return tried;
+    };
+    let text = format!("{function} returns fmi2Status {status}: {messages}");
+    let guessed = session.description.experiment.step.is_none();
+    if function == "fmi2DoStep" && guessed && !session.can(|can| can.variable_step) {
+        let step = session.step();
+        let text = format!("{text} (a step of {step} s, as the description proposes none)");
+        report.warn("2.1", text);
+    } else {
+        report.error("2.1", text);
+    }
+    Ok(())
 }
 
 /// Runs the probe `name` on the FMU that is unpacked in `folder` and writes what it finds to `trace`: what

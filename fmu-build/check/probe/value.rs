@@ -29,6 +29,49 @@ impl Value {
         })
     }
 
+    /// The value that a text of a description means.
+    pub(super) fn parse(kind: Kind, text: &str) -> Option<Self> {
+        match kind {
+            Kind::Real => text.trim().parse().ok().map(Self::Real),
+            Kind::Integer => text.trim().parse().ok().map(Self::Integer),
+            Kind::Boolean => Some(Self::Boolean(matches!(text.trim(), "true" | "1"))),
+            Kind::String => Some(Self::String(text.into())),
+        }
+    }
+
+    /// Sets a variable of its type.
+    pub(super) fn set(
+        &self,
+        instance: &Instance<'_>,
+        reference: u32,
+    ) -> Result<std::result::Result<(), Refused>> {
+        match self {
+            Self::Real(value) => instance.set_real(reference, *value),
+            Self::Integer(value) => instance.set_integer(reference, *value),
+            Self::Boolean(value) => instance.set_boolean(reference, *value),
+            Self::String(value) => instance.set_string(reference, value),
+        }
+    }
+
+    /// A Real's value.
+    pub(super) fn real(&self) -> Option<f64> {
+        match self {
+            Self::Real(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// Whether both are equal to the last bit.
+    pub(super) fn same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Real(one), Self::Real(other)) => one.to_bits() == other.to_bits(),
+            (Self::Integer(one), Self::Integer(other)) => one == other,
+            (Self::Boolean(one), Self::Boolean(other)) => one == other,
+            (Self::String(one), Self::String(other)) => one == other,
+            _ => false,
+        }
+    }
+
     /// Whether `text` of a description means exactly this value.
     pub(super) fn equals(&self, text: &str) -> bool {
         match self {
