@@ -102,7 +102,7 @@ macro_rules! export {
                 fmi2Terminate() = |c| FMU.enter(c, Call::Terminate, |i, _| i.terminate());
                 fmi2Reset() = |c| FMU.enter(c, Call::Reset, |i, _| i.reset());
                 fmi2DoStep(time: f64, step: f64, _no_set_state: c_int)
-                    = |c| FMU.enter(c, Call::DoStep, |i, log| i.step(time, step, log));
+                    = |c| FMU.step(c, time, step);
                 fmi2SetFMUstate(state: *mut c_void) = |c| FMU.set_state(c, state);
                 fmi2CancelStep() = |c| FMU.not_offered(c, Call::CancelStep, "asynchronous steps");
                 fmi2GetStatus(kind: c_int, _value: *mut c_int)

@@ -16,7 +16,7 @@
 #![allow(unsafe_code)]
 #![allow(clippy::missing_safety_doc)] // one contract for all: the module documentation
 
-use crate::handle::Table;
+use crate::handle::{Entered, Table};
 use crate::logger::{Filter, Text};
 use crate::saved::Saved;
 use crate::{Call, Category, Error, Instance, Log, Model, guid, request};
@@ -118,8 +118,34 @@ impl<M: Model> Component<M> {
         status
     }
 
+    /// Does something to it behind the unwind barrier.
+    #[inline(always)]
+    fn shield(&mut self, call: Call, body: impl FnOnce(&mut Self) -> Result<(), Error>) -> Status {
+        match catch_unwind(AssertUnwindSafe(|| body(self))) {
+            Ok(Ok(())) => Status::Ok,
+            Ok(Err(error)) => self.refuse(call, &error),
+            Err(payload) => {
+                // Dropping what a model panicked with could panic again, outside the barrier.
+                core::mem::forget(payload);
+                self.poison(call)
+            }
+        }
+    }
+
+    /// Does something to its instance, with a log for the model.
+    #[inline(always)]
+    fn with_log(
+        &mut self,
+        body: impl FnOnce(&mut Instance<M>, &mut Log<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let reporter = &self.reporter;
+        let mut sink = |category, message: fmt::Arguments<'_>| reporter.send(category, message);
+        body(&mut self.instance, &mut Log::new(&mut sink))
+    }
+
     fn poison(&mut self, call: Call) -> Status {
         self.poisoned = true;
+        self.instance.condemn();
         let message = format_args!("{call}: the model panicked; free this instance");
         self.reporter.send(Category::Fatal, message);
         Status::Fatal
@@ -157,32 +183,24 @@ impl<M: Model> Library<M> {
         if component.poisoned {
             return Status::Fatal;
         }
-        match catch_unwind(AssertUnwindSafe(|| body(component))) {
-            Ok(Ok(())) => Status::Ok,
-            Ok(Err(error)) => component.refuse(call, &error),
-            Err(payload) => {
-                // Dropping what a model panicked with could panic again, outside the barrier.
-                core::mem::forget(payload);
-                component.poison(call)
-            }
-        }
+        component.shield(call, body)
     }
 
     /// The way in for what is done at once or not at all: false, and nothing changed or logged, when
-    /// there is anything out of the ordinary. The caller then takes the other way in.
+    /// there is anything out of the ordinary. The caller then takes the other way in. What is done must
+    /// not be done in an instance that is condemned, so that there is no need to ask whether it is poisoned.
     #[inline(always)]
-    fn enter_plainly(
-        &self,
-        component: *mut c_void,
-        body: impl FnOnce(&mut Instance<M>) -> Option<bool>,
+    fn plainly(
+        entered: Option<Entered<'_, Component<M>>>,
+        body: impl FnOnce(&mut Instance<M>) -> bool,
     ) -> bool {
-        let Some(entered) = self.instances.enter(component.addr()) else {
+        let Some(entered) = entered else {
             return false;
         };
         // SAFETY: made from a `Box` by `instantiate`, and `entered` keeps everybody else out.
         let component = unsafe { &mut *entered.value };
         let body = AssertUnwindSafe(|| body(&mut component.instance));
-        !component.poisoned && matches!(catch_unwind(body), Ok(Some(true)))
+        matches!(catch_unwind(body), Ok(true))
     }
 
     /// The way in for functions that need no pointer but the instance: with the log that a model
@@ -193,10 +211,36 @@ impl<M: Model> Library<M> {
         call: Call,
         body: impl FnOnce(&mut Instance<M>, &mut Log<'_>) -> Result<(), Error>,
     ) -> Status {
-        self.enter_component(component, call, |component| {
-            let reporter = &component.reporter;
-            let mut sink = |category, message: fmt::Arguments<'_>| reporter.send(category, message);
-            body(&mut component.instance, &mut Log::new(&mut sink))
+        self.enter_component(component, call, |component| component.with_log(body))
+    }
+
+    /// `fmi2DoStep`: a plain one at once, everything else as other functions.
+    #[inline(always)]
+    pub fn step(&self, component: *mut c_void, time: f64, step: f64) -> Status {
+        let Some(entered) = self.instances.enter_first(component.addr()) else {
+            return Self::step_carefully(component, time, step, self);
+        };
+        // SAFETY: made from a `Box` by `instantiate`, and `entered` keeps everybody else out.
+        let inside = unsafe { &mut *entered.value };
+        let Some(end) = inside.instance.plain_step(time, step) else {
+            drop(entered);
+            return Self::step_carefully(component, time, step, self);
+        };
+        inside.shield(Call::DoStep, |component| {
+            component.with_log(|instance, log| instance.advance(time, step, end, log))
+        })
+    }
+
+    #[cold]
+    #[inline(never)]
+    extern "C" fn step_carefully(
+        component: *mut c_void,
+        time: f64,
+        step: f64,
+        library: &Self,
+    ) -> Status {
+        library.enter(component, Call::DoStep, |instance, log| {
+            instance.step(time, step, log)
         })
     }
 

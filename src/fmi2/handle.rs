@@ -1,13 +1,13 @@
 //! Tokens in place of pointers: what an importer holds is looked up, never followed.
 //!
 //! ```text
-//! token = stamp | OPEN | index        places[index] = the one token that opens it, less OPEN while taken
+//! token = stamp | index | 0        places[index] = the one token that opens it, or TAKEN
 //! ```
 //!
 //! A place counts up its stamp when its value is given back, and every table begins with another one,
 //! so a token that was freed, that another table made, or that never was one opens no place. To enter,
-//! one atomic operation turns the place from open to taken: a second caller, be it another thread or
-//! the importer's logger calling back, is refused until the first one leaves.
+//! one atomic operation turns the place from its token to [`TAKEN`]: a second caller, be it another thread
+//! or the importer's logger calling back, is refused until the first one leaves.
 //!
 //! Places never move and are not freed while the library is loaded. The first ones lie in the
 //! library itself, so that nothing of them stays behind when it is unloaded.
@@ -20,11 +20,16 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 const FIRST: usize = 64;
 /// Blocks: there is room for 4 million values.
 const BLOCKS: usize = 16;
+/// Bits of a token below its index, all of them 0: those of the distance between two places.
+const INDEX: u32 = size_of::<Place<()>>().ilog2();
 /// Bits of a token below its stamp.
-const STAMP: u32 = usize::BITS / 2;
-/// Highest bit below the stamp: no index has it, and an open place and its token do, so that no token
-/// is 0, which is NULL.
-const OPEN: usize = 1 << (STAMP - 1);
+const STAMP: u32 = if usize::BITS > 32 { 32 } else { 22 };
+/// What is above all indices.
+const MOST: usize = 1 << (STAMP - INDEX - 1);
+/// The word of a place that nobody may enter. As a token it leads to [`NOBODY`], or to no place at all.
+const TAKEN: usize = usize::MAX;
+/// A place that is never given out, and that no token opens: its word is not [`TAKEN`] either.
+const NOBODY: usize = FIRST - 1;
 /// A number with which multiplication shuffles the bits of an address: odd, near the golden ratio.
 const SHUFFLE: usize = (usize::MAX / 1000 * 618) | 1;
 
@@ -32,9 +37,11 @@ const SHUFFLE: usize = (usize::MAX / 1000 * 618) | 1;
 /// slow each other down.
 #[repr(align(64))]
 struct Place<T> {
-    /// The token that opens it, without [`OPEN`] while it is vacant or somebody is in.
+    /// The token that opens it; [`TAKEN`] while it is vacant or somebody is in.
     word: AtomicUsize,
     value: AtomicPtr<T>,
+    /// Stamp of the next token; not 0, so that no token is NULL.
+    stamp: AtomicUsize,
     /// While vacant: index of the next vacant place plus 1, or 0.
     next: AtomicUsize,
 }
@@ -42,8 +49,9 @@ struct Place<T> {
 impl<T> Place<T> {
     const fn new() -> Self {
         Self {
-            word: AtomicUsize::new(0),
+            word: AtomicUsize::new(TAKEN),
             value: AtomicPtr::new(null_mut()),
+            stamp: AtomicUsize::new(0),
             next: AtomicUsize::new(0),
         }
     }
@@ -53,7 +61,7 @@ impl<T> Place<T> {
 struct Vacant {
     /// Index of the place that was given back last plus 1, or 0.
     first: usize,
-    /// Number of places that were ever given out.
+    /// Index of the next place that was never given out.
     used: usize,
 }
 
@@ -80,8 +88,10 @@ impl<T> Drop for Entered<'_, T> {
 
 impl<T> Table<T> {
     pub(crate) const fn new() -> Self {
+        let mut first = [const { Place::new() }; FIRST];
+        first[NOBODY].word = AtomicUsize::new(0);
         Self {
-            first: [const { Place::new() }; FIRST],
+            first,
             blocks: [const { OnceLock::new() }; BLOCKS],
             vacant: Mutex::new(Vacant { first: 0, used: 0 }),
         }
@@ -90,20 +100,28 @@ impl<T> Table<T> {
     /// Keeps a value; its token is not 0. `None`, and the value is dropped, when there is no room.
     pub(crate) fn insert(&self, value: Box<T>) -> Option<usize> {
         let (index, place) = self.vacant_place()?;
-        let stamp = place.word.load(Ordering::Relaxed) >> STAMP;
+        let token = place.stamp.load(Ordering::Relaxed) << STAMP | index << INDEX;
         place.value.store(Box::into_raw(value), Ordering::Relaxed);
-        let token = (stamp << STAMP) | OPEN | index;
         place.word.store(token, Ordering::Release);
         Some(token)
     }
 
     /// The value of a token, unless somebody is in, it was given back, or there never was one.
-    #[inline(always)]
     pub(crate) fn enter(&self, token: usize) -> Option<Entered<'_, T>> {
-        let place = self.place(index(token))?;
+        Self::enter_place(self.place(index(token))?, token)
+    }
+
+    /// [`Self::enter`] of the places in the library itself, which are at hand; the others open to none.
+    #[inline(always)]
+    pub(crate) fn enter_first(&self, token: usize) -> Option<Entered<'_, T>> {
+        Self::enter_place(self.first.get(index(token) % FIRST)?, token)
+    }
+
+    #[inline(always)]
+    fn enter_place(place: &Place<T>, token: usize) -> Option<Entered<'_, T>> {
         place
             .word
-            .compare_exchange(token, token ^ OPEN, Ordering::Acquire, Ordering::Relaxed)
+            .compare_exchange(token, TAKEN, Ordering::Acquire, Ordering::Relaxed)
             .ok()?;
         Some(Entered {
             place,
@@ -117,7 +135,9 @@ impl<T> Table<T> {
         let (place, token, value) = (entered.place, entered.token, entered.value);
         core::mem::forget(entered);
         place.value.store(null_mut(), Ordering::Relaxed);
-        place.word.store(following(token), Ordering::Relaxed);
+        place
+            .stamp
+            .store(following(token >> STAMP), Ordering::Relaxed);
         let mut vacant = self.vacant.lock().unwrap_or_else(PoisonError::into_inner);
         place.next.store(vacant.first, Ordering::Relaxed);
         vacant.first = index(token) + 1;
@@ -133,21 +153,20 @@ impl<T> Table<T> {
         }
         let index = vacant.used;
         let place = self.new_place(index)?;
-        place.word.store(self.salt(), Ordering::Relaxed);
-        vacant.used += 1;
+        place.stamp.store(following(self.salt()), Ordering::Relaxed);
+        vacant.used = index + 1;
         Some((index, place))
     }
 
     /// A place that was never given out; its block is made with its first one.
     fn new_place(&self, index: usize) -> Option<&Place<T>> {
-        if let Some((block, _)) = beyond_first(index).filter(|_| index < OPEN) {
+        if let Some((block, _)) = beyond_first(index).filter(|_| index < MOST) {
             let places = || (0..FIRST << block).map(|_| Place::new()).collect();
             self.blocks.get(block)?.get_or_init(places);
         }
         self.place(index)
     }
 
-    #[inline]
     fn place(&self, index: usize) -> Option<&Place<T>> {
         match self.first.get(index) {
             Some(place) => Some(place),
@@ -155,27 +174,30 @@ impl<T> Table<T> {
         }
     }
 
-    #[cold]
     fn place_beyond(&self, index: usize) -> Option<&Place<T>> {
         let (block, offset) = beyond_first(index)?;
         self.blocks.get(block)?.get()?.get(offset)
     }
 
-    /// A word whose stamp no other table begins with, in this library or another one.
+    /// A stamp that no other table begins with, in this library or another one.
     fn salt(&self) -> usize {
-        core::ptr::from_ref(self).addr().wrapping_mul(SHUFFLE)
+        core::ptr::from_ref(self).addr().wrapping_mul(SHUFFLE) >> STAMP
     }
 }
 
-/// Index of a token's place; of what cannot be a token, one that no place has.
+/// Index of a token's place.
 #[inline(always)]
 const fn index(token: usize) -> usize {
-    (token ^ OPEN) & !(usize::MAX << STAMP)
+    (token & ((1 << STAMP) - 1)) >> INDEX
 }
 
-/// The word of the vacant place that a token opened: the next stamp.
-const fn following(token: usize) -> usize {
-    ((token >> STAMP) + 1) << STAMP
+/// The stamp after another one: from 1 on again after the last one.
+const fn following(stamp: usize) -> usize {
+    if stamp >= usize::MAX >> STAMP {
+        1
+    } else {
+        stamp + 1
+    }
 }
 
 /// Block, and offset in it, of a place that does not lie in the library itself.
@@ -192,8 +214,12 @@ mod tests {
         Box::leak(Box::new(Table::new()))
     }
 
+    /// The address behind a token; at the places in the library itself both ways in lead there.
     fn entered(table: &Table<u32>, token: usize) -> Option<usize> {
-        table.enter(token).map(|entered| entered.value.addr())
+        let first = table.enter_first(token).map(|entered| entered.value.addr());
+        let any = table.enter(token).map(|entered| entered.value.addr());
+        assert_eq!(first, any.filter(|_| index(token) < FIRST), "{token:x}");
+        any
     }
 
     #[test]
@@ -265,6 +291,10 @@ mod tests {
             .chain(near)
             .chain(other.insert(Box::new(1)));
         for token in foreign {
+            assert_eq!(entered(table, token), None, "{token:x}");
+        }
+        let all = (0..2 * FIRST).map(|index| index << INDEX);
+        for token in all.clone().chain(all.map(|token| TAKEN ^ token)) {
             assert_eq!(entered(table, token), None, "{token:x}");
         }
     }

@@ -231,16 +231,7 @@ impl<M: Model> Instance<M> {
     pub fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Error> {
         self.permit(Call::DoStep)?;
         let (step, end) = self.legal_step(time, step)?;
-        self.now
-            .model
-            .step(time, nominal(step), log)
-            .map_err(|failure| self.fail(failure))?;
-        (self.now.time, self.now.stale) = (end, false);
-        if M::STEPS_STAY_FINITE {
-            Ok(())
-        } else {
-            self.demand_finite()
-        }
+        self.advance(time, step, end, log)
     }
 
     /// A copy of everything: the FMU state.
@@ -369,23 +360,6 @@ fn derivative<M: Model>(
         variable: row.name,
         order,
     })
-}
-
-/// A step [s] in whole picoseconds, where that changes it by less than an importer's rounding may.
-///
-/// Importers reckon steps as differences of times: 0.009999999999999787 s, then 0.010000000000000675 s.
-/// As 0.01 s they are one and the same, so that a model may keep what it worked out for a step size,
-/// and every importer gets the same bits.
-fn nominal(step: f64) -> f64 {
-    const PICOSECONDS: f64 = 1e12; // in a second
-    const WHOLE: f64 = 1.0 / f64::EPSILON; // added and taken off again it rounds to a whole number
-    let given = step * PICOSECONDS;
-    let whole = (given + WHOLE) - WHOLE;
-    if (given - whole).abs() <= TIME_TOLERANCE * given {
-        whole / PICOSECONDS
-    } else {
-        step
-    }
 }
 
 #[cfg(test)]

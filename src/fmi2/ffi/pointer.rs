@@ -20,22 +20,6 @@ pub(super) unsafe fn slice<'a, T>(
     }
 }
 
-/// [`slice`] of one value or more; `None` where it needs a second look.
-#[inline(always)]
-pub(super) unsafe fn few<'a, T>(values: *const T, count: usize) -> Option<&'a [T]> {
-    let plain = count > 0 && !unusable(values);
-    // SAFETY: not NULL, aligned, and by the importer's promise of that length.
-    plain.then(|| unsafe { core::slice::from_raw_parts(values, count) })
-}
-
-/// [`slice_mut`] of one value or more; `None` where it needs a second look.
-#[inline(always)]
-pub(super) unsafe fn few_mut<'a, T>(values: *mut T, count: usize) -> Option<&'a mut [T]> {
-    let plain = count > 0 && !unusable(values);
-    // SAFETY: as above, and the importer reads it after the call only.
-    plain.then(|| unsafe { core::slice::from_raw_parts_mut(values, count) })
-}
-
 /// An array of `count` values, to be written.
 pub(super) unsafe fn slice_mut<'a, T>(
     argument: &'static str,
@@ -66,6 +50,15 @@ pub(super) unsafe fn place<'a, T>(
 pub(super) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     // SAFETY: not NULL, and by the importer's promise NUL-terminated.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}
+
+/// Whether two arrays, neither of them empty, are neither NULL nor misaligned.
+#[inline(always)]
+pub(super) fn usable<T, U>(one: *const T, other: *const U) -> bool {
+    // Both at once: the low bits of one address where the multiples of its alignment are those of the other.
+    let aligned = const { align_of::<U>() / align_of::<T>() };
+    let low = one.addr().wrapping_mul(aligned) | other.addr();
+    low.is_multiple_of(align_of::<U>()) && !one.is_null() && !other.is_null()
 }
 
 fn unusable<T>(values: *const T) -> bool {

@@ -8,95 +8,112 @@
 //! they go the ordinary way.
 
 use crate::saved::Saved;
-use crate::{Access, Causality, Model, State, Variability, Variable};
+use crate::{Access, Causality, Model, Variability, Variable};
 use core::mem::{offset_of, size_of};
 use core::ptr::{from_mut, from_ref};
 
-/// Bit that every row has.
-const ANY: usize = 1 << 31;
+/// Rows that have an arm: those whose reference is a byte.
+const ARMS: u32 = 256;
+/// Bits of a word that a row shares with few others: from the lowest one on.
+const OWN: u32 = 24;
+/// The bits of a word to which those of up to [`OWN`] rows add up, and no more.
+const SUM: u64 = (1 << 28) - 1;
 /// Bit of what has no place, or is no Real.
-const ELSEWHERE: usize = 1 << 30;
+const ELSEWHERE: u64 = 1 << 28;
 /// Bit of what the model computes.
-const COMPUTED: usize = 1 << 29;
+const COMPUTED: u64 = 1 << 29;
 /// Bit of parameters that do not change after initialisation.
-const FIXED: usize = 1 << 28;
-/// The bits that are the distance from the start of [`Saved`].
-const DISTANCE: usize = FIXED - 1;
-/// Rows that have an arm.
-const ARMS: u32 = 128;
+const FIXED: u64 = 1 << 30;
+/// Where in a word the distance from the start of [`Saved`] begins.
+const DISTANCE: u32 = 32;
 
 /// What is known of a Real.
 #[derive(Clone, Copy)]
 struct Real {
-    /// Bits of its role, and its distance from the start of [`Saved`].
-    place: usize,
+    /// Its own bit, those of its role, and its distance from the start of [`Saved`].
+    word: u64,
     /// Smallest legal value; finite.
     low: f64,
     /// Largest legal value; finite.
     high: f64,
-    /// A bit that is its own, or shared with few others; far below the bits of u64, so that sums fit.
-    bit: u64,
 }
 
-/// Whether all references are Reals that have a place.
+/// Reals that may be plain to set in one call: more of them cannot differ in their bits.
+pub(crate) const fn most<M: Model>() -> usize {
+    let rows = M::VARIABLES.len();
+    if rows < OWN as usize {
+        rows
+    } else {
+        OWN as usize
+    }
+}
+
+/// Reads Reals if all references are Reals that have a place; else it does nothing and returns false.
 #[inline(always)]
-pub(crate) fn readable<M: Model>(saved: &mut Saved<M>, references: &[u32]) -> bool {
-    let mut places = 0;
-    for &reference in references {
+pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &mut [f64]) -> bool {
+    let mut words = 0;
+    for &reference in references.iter().rev() {
         if reference >= ARMS {
             return false;
         }
-        places |= real(saved, reference).place;
+        words |= real(saved, reference).word;
     }
-    places & ELSEWHERE == 0
+    let plain = words & ELSEWHERE == 0;
+    if plain {
+        for (&reference, value) in references.iter().zip(values).rev() {
+            *value = *field(saved, reference);
+        }
+    }
+    plain
 }
 
-/// Whether it is plain that these values may be set now. If it is not, the ordinary way finds out.
+/// Writes values, [`most`] at most, if it is plain that these Reals may be set to them at a communication
+/// point; else it does nothing and returns false, and the ordinary way finds out why.
 #[inline(always)]
-pub(crate) fn settable<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[f64]) -> bool {
-    let barred = barred(saved.state);
-    let (mut places, mut seen, mut sum) = (ANY, 0, 0_u64);
-    for (&reference, &value) in references.iter().zip(values) {
-        let known = real(saved, reference);
-        if reference >= ARMS || !(known.low..=known.high).contains(&value) {
+pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[f64]) -> bool {
+    if references.len() != values.len() {
+        return false;
+    }
+    let mut value = values.as_ptr_range().end;
+    let (mut words, mut sum) = (0, 0_u64);
+    for &reference in references.iter().rev() {
+        if reference >= ARMS {
             return false;
         }
-        places |= known.place;
-        seen |= known.bit;
-        sum += known.bit;
+        let known = real(saved, reference);
+        value = value.wrapping_sub(1);
+        // SAFETY: it is the value of the reference; there are as many of both.
+        if !(known.low..=known.high).contains(unsafe { &*value }) {
+            return false;
+        }
+        words |= known.word;
+        sum = sum.wrapping_add(known.word);
     }
     // Bits that are there once add up to what they are together.
-    places & barred == 0 && seen == sum
-}
-
-/// Bits of rows that may not be set in a state.
-const fn barred(state: State) -> usize {
-    match state {
-        State::Instantiated | State::Initialization => ELSEWHERE | COMPUTED,
-        State::StepComplete => ELSEWHERE | COMPUTED | FIXED,
-        State::Terminated | State::Error => ANY,
+    let plain = words & (ELSEWHERE | COMPUTED | FIXED) == 0 && (words ^ sum) & SUM == 0;
+    if plain {
+        for (&reference, &value) in references.iter().zip(values).rev() {
+            *field(saved, reference) = value;
+        }
     }
+    plain
 }
 
-/// The Real of a reference that is [`readable`] or [`settable`]; of any other one, none or another.
+/// The Real of a reference that is below [`ARMS`] and has a place; of any other one, another one.
 #[inline(always)]
-pub(crate) fn field<M: Model>(saved: &mut Saved<M>, reference: u32) -> Option<&mut f64> {
-    if reference >= ARMS {
-        return None;
-    }
-    let distance = real(saved, reference).place & DISTANCE;
+fn field<M: Model>(saved: &mut Saved<M>, reference: u32) -> &mut f64 {
+    let distance = real(saved, reference).word >> DISTANCE;
     // SAFETY: just now and on this very `saved`, `arm` measured the distance to an f64 that lies in it;
     // that of `nowhere` leads to an f64 as well. The result borrows all of `saved`.
-    Some(unsafe { &mut *from_mut(saved).byte_add(distance).cast::<f64>() })
+    unsafe { &mut *from_mut(saved).byte_add(distance as usize).cast::<f64>() }
 }
 
 impl Real {
     const fn nowhere<M>() -> Self {
         Self {
-            place: ELSEWHERE | offset_of!(Saved<M>, time),
+            word: ELSEWHERE | (offset_of!(Saved<M>, time) as u64) << DISTANCE,
             low: f64::MIN,
             high: f64::MAX,
-            bit: 0,
         }
     }
 
@@ -109,14 +126,13 @@ impl Real {
         };
         let (low, high) = (row.min, row.max);
         Self {
-            place: role,
+            word: role | 1 << (index % OWN as usize),
             low: if let Some(low) = low { low } else { f64::MIN },
             high: if let Some(high) = high {
                 high
             } else {
                 f64::MAX
             },
-            bit: 1 << (index % 32),
         }
     }
 }
@@ -135,16 +151,21 @@ const fn row<M: Model>(index: usize) -> Option<(Field<M>, Real)> {
     }
 }
 
+/// Index of a row that is counted from -128 on.
+const fn index(row: i8) -> usize {
+    row.cast_unsigned().wrapping_add(128) as usize
+}
+
 #[inline(always)]
-fn arm<M: Model, const ROW: usize>(saved: &mut Saved<M>) -> Real {
-    let Some((field, real)) = (const { row::<M>(ROW) }) else {
+fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Real {
+    let Some((field, real)) = (const { row::<M>(index(ROW)) }) else {
         return Real::nowhere::<M>();
     };
     let start = from_ref(saved).addr();
     let distance = from_ref(field(&mut saved.model)).addr().wrapping_sub(start);
-    if distance <= size_of::<Saved<M>>() - size_of::<f64>() && distance <= DISTANCE {
-        let place = real.place | distance;
-        Real { place, ..real }
+    if distance <= size_of::<Saved<M>>() - size_of::<f64>() && distance <= u32::MAX as usize {
+        let word = real.word | (distance as u64) << DISTANCE;
+        Real { word, ..real }
     } else {
         Real::nowhere::<M>()
     }
@@ -152,30 +173,39 @@ fn arm<M: Model, const ROW: usize>(saved: &mut Saved<M>) -> Real {
 
 macro_rules! match_rows {
     ($reference:ident, $saved:ident: $($row:literal)*) => {
-        match $reference % ARMS {
+        match ($reference % ARMS).to_le_bytes()[0].wrapping_sub(128).cast_signed() {
             $($row => arm::<M, $row>($saved),)*
-            _ => Real::nowhere::<M>(),
         }
     };
 }
 
+/// What is known of a reference's row; of references beyond the arms, another one's.
+///
+/// The rows are counted from -128 on, as the compiler counts them when it makes the table: so it need not
+/// convert.
 #[rustfmt::skip] // a list
 #[inline(always)]
 fn real<M: Model>(saved: &mut Saved<M>, reference: u32) -> Real {
     match_rows!(reference, saved:
-        0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33
-        34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63
-        64 65 66 67 68 69 70 71 72 73 74 75 76 77 78 79 80 81 82 83 84 85 86 87 88 89 90 91 92 93
-        94 95 96 97 98 99 100 101 102 103 104 105 106 107 108 109 110 111 112 113 114 115 116 117
-        118 119 120 121 122 123 124 125 126 127
+        -128 -127 -126 -125 -124 -123 -122 -121 -120 -119 -118 -117 -116 -115 -114 -113 -112 -111
+        -110 -109 -108 -107 -106 -105 -104 -103 -102 -101 -100 -99 -98 -97 -96 -95 -94 -93 -92 -91
+        -90 -89 -88 -87 -86 -85 -84 -83 -82 -81 -80 -79 -78 -77 -76 -75 -74 -73 -72 -71 -70 -69 -68
+        -67 -66 -65 -64 -63 -62 -61 -60 -59 -58 -57 -56 -55 -54 -53 -52 -51 -50 -49 -48 -47 -46 -45
+        -44 -43 -42 -41 -40 -39 -38 -37 -36 -35 -34 -33 -32 -31 -30 -29 -28 -27 -26 -25 -24 -23 -22
+        -21 -20 -19 -18 -17 -16 -15 -14 -13 -12 -11 -10 -9 -8 -7 -6 -5 -4 -3 -2 -1 0 1 2 3 4 5 6 7 8
+        9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36 37 38 39
+        40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64 65 66 67 68 69 70
+        71 72 73 74 75 76 77 78 79 80 81 82 83 84 85 86 87 88 89 90 91 92 93 94 95 96 97 98 99 100
+        101 102 103 104 105 106 107 108 109 110 111 112 113 114 115 116 117 118 119 120 121 122 123
+        124 125 126 127
     )
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ARMS, field, readable, settable};
+    use super::{ARMS, get, set};
     use crate::saved::Saved;
-    use crate::{Experiment, Failure, Log, Model, State, StateFields, Unit, Variable};
+    use crate::{Experiment, Failure, Log, Model, StateFields, Unit, Variable};
 
     /// Reals in the model and outside of it, of every role.
     #[derive(Clone)]
@@ -206,7 +236,8 @@ mod tests {
     const OUTPUT: u32 = 3;
     const INTEGER: u32 = 4;
     const FAR: u32 = 5;
-    const ONE_OF_MANY: u32 = 32; // shares its bit with INPUT
+    const ONE_OF_MANY: u32 = 24; // shares its bit with INPUT
+    const LAST: u32 = ARMS - 1;
     const BEYOND: u32 = ARMS;
 
     impl Model for Shelf {
@@ -218,7 +249,7 @@ mod tests {
             step: 0.1,
         };
         const VARIABLES: &'static [Variable<Self>] = &{
-            let mut rows = [near::<150>(); 130];
+            let mut rows = [near::<150>(); 260];
             rows[0] = near::<0>().min(-1.0).max(2.0);
             rows[1] =
                 Variable::parameter("", Unit::ONE, |m: &mut Self| &mut m.near[1], "").tunable();
@@ -240,86 +271,72 @@ mod tests {
         fn hidden_state(&mut self, _: &mut dyn StateFields) {}
     }
 
-    fn shelf(state: State) -> Saved<Shelf> {
-        Saved {
-            state,
-            ..Saved::new()
-        }
-    }
-
     #[test]
     fn a_reference_leads_to_the_field_of_its_row() {
-        let mut shelf = shelf(State::StepComplete);
-        let expected = [
-            (INPUT, 0.0),
-            (TUNABLE, 1.0),
-            (FIXED, 2.0),
-            (OUTPUT, 3.0),
-            (ONE_OF_MANY, 150.0),
-        ];
-        for (reference, value) in expected {
-            assert!(readable(&mut shelf, &[reference]));
-            assert_eq!(field(&mut shelf, reference).copied(), Some(value));
-            *field(&mut shelf, reference).unwrap() += 0.5;
-        }
-        assert_eq!(shelf.model.near[..4], [0.5, 1.5, 2.5, 3.5]);
-        assert_eq!(shelf.model.near[150], 150.5);
+        let mut shelf = Saved::<Shelf>::new();
+        let references = [INPUT, TUNABLE, FIXED, OUTPUT, ONE_OF_MANY, LAST];
+        let mut values = [f64::NAN; 6];
+        assert!(get(&mut shelf, &references, &mut values));
+        assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 150.0, 150.0]);
+        assert!(set(&mut shelf, &[TUNABLE, LAST], &[-0.5, 7.0]));
+        assert_eq!(shelf.model.near[..4], [0.0, -0.5, 2.0, 3.0]);
+        assert_eq!(shelf.model.near[150], 7.0);
     }
 
     #[test]
     fn what_is_no_real_in_the_model_itself_goes_the_ordinary_way() {
-        let mut shelf = shelf(State::StepComplete);
+        let mut shelf = Saved::<Shelf>::new();
+        let mut values = [f64::NAN; 2];
         for reference in [INTEGER, FAR, BEYOND, BEYOND + 1, BEYOND + 2, u32::MAX] {
-            assert!(!readable(&mut shelf, &[INPUT, reference]), "{reference}");
-            assert!(
-                !settable(&mut shelf, &[INPUT, reference], &[0.0; 2]),
-                "{reference}"
-            );
+            let references = [INPUT, reference];
+            assert!(!get(&mut shelf, &references, &mut values), "{reference}");
+            assert!(!set(&mut shelf, &references, &[1.0; 2]), "{reference}");
         }
-        assert_eq!((*shelf.model.far, shelf.model.count), (-1.0, 0));
+        assert!(values.iter().all(|value| value.is_nan()));
+        let Shelf { near, far, count } = shelf.model;
+        assert_eq!((near[0], *far, count), (0.0, -1.0, 0));
+    }
+
+    /// Whether it is plain to set these; if it is not, nothing changes.
+    fn plain(references: &[u32], values: &[f64]) -> bool {
+        let mut shelf = Saved::<Shelf>::new();
+        let before = shelf.model.near;
+        let plain = set(&mut shelf, references, values);
+        assert!(plain || shelf.model.near == before);
+        plain
     }
 
     #[test]
-    fn roles_and_states_tell_what_is_settable() {
-        use State::{Error, Initialization, Instantiated, StepComplete, Terminated};
-        let (early, late) = (
-            [Instantiated, Initialization].as_slice(),
-            [StepComplete].as_slice(),
-        );
-        let cases = [
-            (INPUT, early, late),
-            (TUNABLE, early, late),
-            (FIXED, early, &[]),
-            (OUTPUT, &[], &[]),
-        ];
-        for (reference, early, late) in cases {
-            for state in [
-                Instantiated,
-                Initialization,
-                StepComplete,
-                Terminated,
-                Error,
-            ] {
-                let legal = early.contains(&state) || late.contains(&state);
-                let found = settable(&mut shelf(state), &[reference], &[0.0]);
-                assert_eq!(found, legal, "{reference} in {state}");
-            }
+    fn inputs_and_tunable_parameters_are_plain_to_set() {
+        for (reference, expected) in [
+            (INPUT, true),
+            (TUNABLE, true),
+            (FIXED, false),
+            (OUTPUT, false),
+        ] {
+            assert_eq!(plain(&[reference], &[0.5]), expected, "{reference}");
+            assert_eq!(
+                plain(&[LAST, reference], &[0.5; 2]),
+                expected,
+                "{reference}"
+            );
         }
     }
 
     #[test]
     fn values_that_are_not_finite_or_out_of_range_and_repetitions_need_a_second_look() {
-        let mut shelf = shelf(State::StepComplete);
-        for (value, plain) in [(-1.0, true), (2.0, true), (-1.1, false), (2.1, false)] {
-            assert_eq!(settable(&mut shelf, &[INPUT], &[value]), plain, "{value}");
+        for (value, expected) in [(-1.0, true), (2.0, true), (-1.1, false), (2.1, false)] {
+            assert_eq!(plain(&[INPUT], &[value]), expected, "{value}");
         }
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert!(!settable(&mut shelf, &[INPUT], &[value]));
-            assert!(!settable(&mut shelf, &[TUNABLE], &[value]));
+            assert!(!plain(&[INPUT], &[value]));
+            assert!(!plain(&[LAST, TUNABLE], &[0.0, value]));
         }
-        assert!(settable(&mut shelf, &[TUNABLE], &[f64::MAX]));
+        assert!(plain(&[TUNABLE], &[f64::MAX]));
         for twice in [[INPUT, INPUT], [TUNABLE, TUNABLE], [INPUT, ONE_OF_MANY]] {
-            assert!(!settable(&mut shelf, &twice, &[0.0; 2]));
+            assert!(!plain(&twice, &[0.0; 2]));
         }
+        let many = [TUNABLE; super::OWN as usize];
+        assert!((2..=many.len()).all(|count| !plain(&many[..count], &[0.0; 24][..count])));
     }
 }

@@ -136,7 +136,7 @@ fn x(c: *mut c_void) -> f64 {
 }
 
 fn step(c: *mut c_void, time: f64) -> Status {
-    FMU.enter(c, Call::DoStep, |i, log| i.step(time, 0.1, log))
+    FMU.step(c, time, 0.1)
 }
 
 fn free(c: *mut c_void) {
@@ -159,11 +159,30 @@ fn a_panic_is_fatal_logged_and_poisons_its_instance_alone() {
     assert_eq!((logged[0].1, logged[0].2.as_str()), (4, "logStatusFatal"));
     for _ in 0..2 {
         assert_eq!(set_u(c, 1.0), Status::Fatal);
+        assert_eq!(step(c, 0.0), Status::Fatal);
+        // SAFETY: a live component; arrays of one.
+        let got = unsafe { FMU.get_reals(c, &X, 1, &mut 0.0) };
+        assert_eq!(got, Status::Fatal);
         assert_eq!(FMU.enter(c, Call::Reset, |i, _| i.reset()), Status::Fatal);
     }
     assert_eq!(set_u(other, 1.0), Status::Ok);
     assert_eq!(step(other, 0.0), Status::Ok);
     [c, other].into_iter().for_each(free);
+}
+
+#[test]
+fn every_one_of_many_instances_sets_steps_and_gets() {
+    let all: Vec<_> = (0..200_u8)
+        .map(|number| (running(), f64::from(number) / 2.0))
+        .collect();
+    for &(c, u) in &all {
+        assert_eq!([set_u(c, u), step(c, 0.0)], [Status::Ok; 2]);
+    }
+    for (c, u) in all {
+        assert_eq!(x(c), 0.1 * u);
+        free(c);
+        assert_eq!(step(c, 0.1), Status::Error);
+    }
 }
 
 #[test]

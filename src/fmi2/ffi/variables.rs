@@ -1,13 +1,16 @@
 //! Variables at the C boundary: typed access, derivatives, the status of the last step.
 
-use super::pointer::{few, few_mut, place, slice, slice_mut};
-use super::{Library, Status};
+use super::pointer::{place, slice, slice_mut, usable};
+use super::{Component, Library, Status, real};
+use crate::handle::Entered;
 use crate::value::Value;
 use crate::{Call, Error, Model};
 use core::ffi::{c_int, c_void};
+use core::slice::{from_raw_parts, from_raw_parts_mut};
 
 impl<M: Model> Library<M> {
     /// `fmi2GetReal`: what is plain at once, everything else as for other types.
+    #[inline(always)]
     pub unsafe fn get_reals(
         &self,
         component: *mut c_void,
@@ -15,21 +18,17 @@ impl<M: Model> Library<M> {
         count: usize,
         values: *mut f64,
     ) -> Status {
-        let got = self.enter_plainly(component, |instance| {
-            plausible::<M>(count).ok()?;
-            // SAFETY: the importer's promise.
-            let (references, values) =
-                unsafe { (few(references, count)?, few_mut(values, count)?) };
-            Some(instance.get_plainly(references, values))
-        });
-        if got {
+        let enter = || self.instances.enter_first(component.addr());
+        // SAFETY: the importer's promise.
+        if unsafe { Self::get_plainly(enter, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.
-        unsafe { self.get::<f64, f64>(component, references, count, values) }
+        unsafe { Self::get_carefully(component, references, count, values, self) }
     }
 
     /// `fmi2SetReal`: what is plain at once, everything else as for other types.
+    #[inline(always)]
     pub unsafe fn set_reals(
         &self,
         component: *mut c_void,
@@ -37,17 +36,97 @@ impl<M: Model> Library<M> {
         count: usize,
         values: *const f64,
     ) -> Status {
-        let set = self.enter_plainly(component, |instance| {
-            plausible::<M>(count).ok()?;
-            // SAFETY: the importer's promise.
-            let (references, values) = unsafe { (few(references, count)?, few(values, count)?) };
-            Some(instance.set_plainly(references, values))
-        });
-        if set {
+        let enter = || self.instances.enter_first(component.addr());
+        // SAFETY: the importer's promise.
+        if unsafe { Self::set_plainly(enter, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.
-        unsafe { self.set::<f64, f64>(component, references, count, values, |value| value) }
+        unsafe { Self::set_carefully(component, references, count, values, self) }
+    }
+
+    #[inline(always)]
+    unsafe fn get_plainly<'a>(
+        enter: impl FnOnce() -> Option<Entered<'a, Component<M>>>,
+        references: *const u32,
+        count: usize,
+        values: *mut f64,
+    ) -> bool {
+        Self::plainly(enter(), |instance| {
+            if count.wrapping_sub(1) >= M::VARIABLES.len() || !usable(references, values) {
+                return false;
+            }
+            // SAFETY: usable, and by the importer's promise of that length; read after the call only.
+            let (references, values) = unsafe {
+                (
+                    from_raw_parts(references, count),
+                    from_raw_parts_mut(values, count),
+                )
+            };
+            instance.get_plainly(references, values)
+        })
+    }
+
+    #[inline(always)]
+    unsafe fn set_plainly<'a>(
+        enter: impl FnOnce() -> Option<Entered<'a, Component<M>>>,
+        references: *const u32,
+        count: usize,
+        values: *const f64,
+    ) -> bool {
+        Self::plainly(enter(), |instance| {
+            if count.wrapping_sub(1) >= real::most::<M>() || !usable(references, values) {
+                return false;
+            }
+            // SAFETY: usable, and by the importer's promise of that length.
+            let (references, values) = unsafe {
+                (
+                    from_raw_parts(references, count),
+                    from_raw_parts(values, count),
+                )
+            };
+            instance.set_plainly(references, values)
+        })
+    }
+
+    /// [`Self::get`] of Reals, from wherever the instance is. The arguments lie where those of
+    /// `fmi2GetReal` do.
+    #[cold]
+    #[inline(never)]
+    unsafe extern "C" fn get_carefully(
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *mut f64,
+        library: &Self,
+    ) -> Status {
+        let enter = || library.instances.enter(component.addr());
+        // SAFETY: the importer's promise.
+        if unsafe { Self::get_plainly(enter, references, count, values) } {
+            return Status::Ok;
+        }
+        // SAFETY: the importer's promise.
+        unsafe { library.get::<f64, f64>(component, references, count, values) }
+    }
+
+    /// [`Self::set`] of Reals, from wherever the instance is. The arguments lie where those of
+    /// `fmi2SetReal` do.
+    #[cold]
+    #[inline(never)]
+    unsafe extern "C" fn set_carefully(
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *const f64,
+        library: &Self,
+    ) -> Status {
+        let enter = || library.instances.enter(component.addr());
+        // SAFETY: the importer's promise.
+        if unsafe { Self::set_plainly(enter, references, count, values) } {
+            return Status::Ok;
+        }
+        // SAFETY: the importer's promise.
+        unsafe { library.set::<f64, f64>(component, references, count, values, |value| value) }
     }
 
     /// `fmi2GetReal`, `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`.

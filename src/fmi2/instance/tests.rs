@@ -1,5 +1,6 @@
 //! The life cycle and its checks, on a tank that fills.
 
+use super::plain::nominal;
 use super::*;
 use crate::{Category, Enumeration, Experiment, Item, StateFields, Status, Unit};
 use core::fmt;
