@@ -43,7 +43,7 @@
 use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant_matrices::Systems;
-pub use crate::rung::{Augmented, Motion, Rung};
+pub use crate::rung::{Motion, Rung, Start};
 use crate::rung_builder::{Builder, active};
 use nalgebra::SMatrix;
 
@@ -154,47 +154,34 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
     for (level, place) in rungs.iter_mut().enumerate() {
         let doublings = if level == 0 { 0 } else { DOUBLINGS };
         (0..doublings).for_each(|_| rung.double(active(set)));
-        place.take(&rung);
+        place.take(&rung, systems);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Augmented, DOUBLINGS, LADDER, Propagators};
+    use super::{DOUBLINGS, LADDER, Propagators};
     use crate::Params;
-    use crate::plant_matrices::{STATES, State, Torques, W};
+    use crate::plant_matrices::{State, Torques, W};
 
     const H: f64 = 1e-3;
 
-    fn start() -> Augmented {
+    fn start() -> (State, Torques, Torques) {
         let x = [
             200.0, 198.0, 190.0, 190.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
         ];
-        let v = [60.0, 40.0, -25.0, 300.0, 2e3, -1e3, 5e2, 1e4];
-        Augmented::from_iterator(x.into_iter().chain(v))
-    }
-
-    /// z at the end of a rung: torques grow by their ramps.
-    fn advanced(x_end: &State, z: &Augmented, t: f64) -> Augmented {
-        let mut end = *z;
-        end.fixed_rows_mut::<STATES>(0).copy_from(x_end);
-        for k in STATES..STATES + 4 {
-            end[k] += t * z[k + 4];
-        }
-        end
+        let (v, v_dot) = ([60.0, 40.0, -25.0, 300.0], [2e3, -1e3, 5e2, 1e4]);
+        (x.into(), v.into(), v_dot.into())
     }
 
     #[test]
     fn shortest_rung_follows_the_derivative() {
         let propagators = Propagators::new(&Params::TABLE_1, [1, 2], H / 1e3);
-        let z = start();
-        let (x, v) = (
-            z.fixed_rows::<STATES>(0).into(),
-            z.fixed_rows::<4>(STATES).into(),
-        );
+        let (x, v, v_dot) = start();
         for set in 0..4_usize {
             let rung = propagators.rung(set, 0);
-            let slope = (rung.motion(&z).end(&z) - x) / rung.t;
+            let start = rung.start(&x, &v, &v_dot);
+            let slope = (rung.motion(&start).end(&start) - x) / rung.t;
             let x_dot = propagators.systems.by_stuck[set].derivative(&x, &v);
             assert!((slope - x_dot).amax() < 1e-3 * x_dot.amax(), "{set}");
         }
@@ -208,25 +195,37 @@ mod tests {
         count: usize,
     ) -> (State, Torques, f64) {
         let rung = propagators.rung(set, level);
-        let (mut z, mut work, mut loss) = (start(), Torques::zeros(), 0.0);
+        let ((mut x, mut v, v_dot), mut work, mut loss) = (start(), Torques::zeros(), 0.0);
         for _ in 0..count {
-            let motion = rung.motion(&z);
-            work += rung.work(&z, &motion);
-            loss += rung.viscous_loss(&z);
-            z = advanced(&motion.end(&z), &z, rung.t);
+            let start = rung.start(&x, &v, &v_dot);
+            let motion = rung.motion(&start);
+            work += rung.work(&start, &motion);
+            loss += rung.viscous_loss(&start);
+            (x, v) = (motion.end(&start), v + rung.t * v_dot);
         }
-        (z.fixed_rows::<STATES>(0).into(), work, loss)
+        (x, work, loss)
     }
 
     #[test]
     fn a_rung_is_several_of_the_one_below() {
-        let propagators = Propagators::new(&Params::TABLE_1, [1, 2], H);
-        for (set, level) in (0..4).flat_map(|set| (1..=LADDER).map(move |level| (set, level))) {
-            let (long, work, loss) = repeated(&propagators, set, level, 1);
-            let (end, sum, lost) = repeated(&propagators, set, level - 1, 1 << DOUBLINGS);
-            assert!((long - end).amax() < 1e-9);
-            assert!((work - sum).amax() < 1e-9 * work.amax());
-            assert!((loss - lost).abs() < 1e-9 * loss);
+        let rigid = Params {
+            rigid: true,
+            ..Params::TABLE_1
+        };
+        for (p, gear) in [
+            (&Params::TABLE_1, [1, 2]),
+            (&Params::TABLE_1, [0, 2]),
+            (&rigid, [1, 2]),
+            (&rigid, [0, 2]),
+        ] {
+            let propagators = Propagators::new(p, gear, H);
+            for (set, level) in (0..4).flat_map(|set| (1..=LADDER).map(move |level| (set, level))) {
+                let (long, work, loss) = repeated(&propagators, set, level, 1);
+                let (end, sum, lost) = repeated(&propagators, set, level - 1, 1 << DOUBLINGS);
+                assert!((long - end).amax() < 1e-9);
+                assert!((work - sum).amax() < 1e-9 * work.amax());
+                assert!((loss - lost).abs() < 1e-9 * loss);
+            }
         }
     }
 
@@ -234,14 +233,15 @@ mod tests {
     fn effect_of_the_load_ramp_is_the_one_of_the_motion() {
         let propagators = Propagators::new(&Params::TABLE_1, [1, 2], H);
         let rung = propagators.rung(1, LADDER);
-        let mut z = start();
-        let mut motion = rung.motion(&z);
-        let before = motion.wheel_speed(&z);
-        assert!((before - motion.end(&z)[W]).abs() < 1e-12);
-        rung.add_load_ramp(&mut motion, 1e6);
-        z[17] += 1e6;
-        assert!((motion.end(&z) - rung.motion(&z).end(&z)).amax() < 1e-9);
-        let change = motion.wheel_speed(&z) - before;
+        let (x, v, v_dot) = start();
+        let mut start = rung.start(&x, &v, &v_dot);
+        let mut motion = rung.motion(&start);
+        let before = motion.wheel_speed(&start);
+        assert!((before - motion.end(&start)[W]).abs() < 1e-12);
+        rung.add_ramp(&mut motion, 3, 1e6);
+        start.add_ramp(3, 1e6);
+        assert!((motion.end(&start) - rung.motion(&start).end(&start)).amax() < 1e-9);
+        let change = motion.wheel_speed(&start) - before;
         assert!((change - 1e6 * rung.wheel_speed_by_load_ramp()).abs() < 1e-9 * change.abs());
     }
 
@@ -252,8 +252,12 @@ mod tests {
         rebuilt.rebuild(&p, [1, 0], 3.0 * H);
         let new = Propagators::new(&p, [1, 0], 3.0 * H);
         assert!(rebuilt.fits([1, 0], 3.0 * H) && !rebuilt.fits([1, 2], 3.0 * H));
-        let z = start();
-        let end = |propagators: &Propagators| propagators.rung(2, 5).motion(&z).end(&z);
+        let (x, v, v_dot) = start();
+        let end = |propagators: &Propagators| {
+            let rung = propagators.rung(2, 5);
+            let start = rung.start(&x, &v, &v_dot);
+            rung.motion(&start).end(&start)
+        };
         assert_eq!(end(&rebuilt), end(&new));
     }
 }

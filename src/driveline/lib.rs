@@ -19,6 +19,7 @@ mod plant_friction;
 mod plant_gear;
 pub mod plant_matrices;
 pub mod plant_modes;
+mod plant_outputs;
 mod plant_ports;
 mod plant_quiet;
 mod plant_rows;
@@ -29,6 +30,7 @@ pub mod reduced;
 mod rung;
 mod rung_builder;
 mod rung_loss;
+mod rung_start;
 mod shaft;
 pub mod thermal;
 

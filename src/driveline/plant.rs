@@ -49,8 +49,7 @@
 use crate::Params;
 use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
-use crate::plant_block::{Block, torques};
-use crate::plant_brake::drive_shaft_torque;
+use crate::plant_block::Block;
 use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
@@ -164,9 +163,22 @@ impl Plant {
         rate: &InputRate,
         mut report: impl FnMut(f64, [Mode; 5], [Mode; 5]),
     ) {
-        if self.step_quietly(p, ladders.of(p, self.coupling()), input, rate) {
-            return;
+        if !self.step_quietly(p, ladders.of(p, self.coupling()), input, rate) {
+            self.step_in_blocks(p, ladders, input, rate, &mut report);
         }
+    }
+
+    /// A step that may hold events.
+    #[cold]
+    #[inline(never)] // the ordinary step need not have its stack
+    fn step_in_blocks(
+        &mut self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        input: &Input,
+        rate: &InputRate,
+        report: &mut impl FnMut(f64, [Mode; 5], [Mode; 5]),
+    ) {
         let (curves, mut place) = (p.friction_varies(), None);
         let p = p.with_static_friction(&mut place, self.temperature);
         let (mut now, mut rate) = (input.after(rate, 0.0), *rate);
@@ -215,77 +227,6 @@ impl Plant {
                 (piece, events) = (done, events + 1);
             }
         }
-    }
-
-    /// Outputs at the present instant with the inputs that act at it.
-    pub fn outputs(&self, p: &Params, systems: &Systems, input: &Input) -> Output {
-        let mut y = Output::default();
-        self.write_outputs(p, systems, input, &mut y);
-        y
-    }
-
-    /// [`Self::outputs`] into their place.
-    pub fn write_outputs(&self, p: &Params, systems: &Systems, input: &Input, y: &mut Output) {
-        let x = &self.x;
-        let held = self.brake == Mode::Stuck;
-        let t_v = if held {
-            drive_shaft_torque(p, x)
-        } else {
-            let grade = self.grade.at(input.phi);
-            let direction = self.brake_direction();
-            input.load_torque(p, grade, x[W], direction).0
-        };
-        let factor = if p.friction_varies() {
-            self.friction_factor(p)
-        } else {
-            [1.0; 2]
-        };
-        let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
-        let v = self.with_synchronisers(p, v);
-        let system = &systems.by_stuck[stuck_set(self.modes)];
-        let t_c = [0, 1].map(|i| match self.modes[i] {
-            Mode::Stuck => system.rows.torque[i].of(x, &v),
-            Mode::Open => 0.0,
-            _ => v[1 + i],
-        });
-        let slip = self.slip();
-        let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
-        for i in [0, 1] {
-            if systems.rigid_ratio[i] != 0.0 {
-                let omega_c_dot = system.rate(C + i, x, &v);
-                t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - systems.storage[C + i] * omega_c_dot);
-            }
-            if self.synchroniser[i] != Mode::Open {
-                t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
-            }
-        }
-        let omega_w_dot = if held { 0.0 } else { (t_o - t_v) / p.j_v };
-        *y = Output {
-            omega_e: x[E],
-            omega_d: x[D],
-            omega_c: [x[C], x[C + 1]],
-            omega_o: x[O],
-            omega_w: x[W],
-            vehicle_speed: p.road.r_w * x[W],
-            vehicle_acceleration: p.road.r_w * omega_w_dot,
-            t_d,
-            t_c,
-            t_t,
-            t_o,
-            t_v,
-            slip,
-            state: self.modes.map(ClutchState::from),
-            held,
-            friction_power: [t_c[0] * slip[0], t_c[1] * slip[1]],
-            friction_energy: self.work.friction,
-            synchronising: systems.coupling.synchronising,
-            temperature: self.temperature,
-            wear: [0, 1].map(|i| p.clutch[i].specific_wear * self.work.friction[i]),
-            brake_power: self.brake_power(input.t_brake),
-            brake_energy: self.work.brake,
-            synchroniser_energy: self.work.synchroniser,
-            energy_residual: self.energy_residual(systems),
-        };
     }
 
     /// ω_d − ω_ci [rad/s], shape (2); exactly 0 in an engaged clutch.
@@ -376,7 +317,7 @@ impl Plant {
     /// Moves to the end of a block and books its work.
     fn accept(&mut self, p: &Params, systems: &Systems, rung: &Rung, block: &Block) {
         let before = self.work.friction;
-        self.book(rung, &block.z, &rung.work(&block.z, &block.motion));
+        self.book(rung, &block.start, &rung.work(&block.start, &block.motion));
         if self.brake.direction() != 0.0 {
             let lost = self.brake.direction() * block.brake_work();
             self.work.load -= lost;

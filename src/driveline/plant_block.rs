@@ -14,14 +14,16 @@
 //! [`resolve`](crate::plant_modes::resolve) takes the modes that are consistent.
 
 use crate::Params;
-use crate::integrate::{Augmented, Motion, Rung};
+use crate::integrate::{Motion, Rung, Start};
 use crate::plant::Plant;
 use crate::plant_brake;
-use crate::plant_matrices::{Rows, STATES, State, Systems, TORQUES, Torques, W, slip};
+use crate::plant_matrices::{Rows, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant_ports::{Input, InputRate};
 use crate::shaft::Grade;
 
+/// Index of T_v among the torques.
+pub(crate) const LOAD: usize = TORQUES - 1;
 /// Index of the brake among guards.
 const BRAKE: usize = 2;
 /// Newton steps on the load at the end of a block; each squares the error left.
@@ -47,22 +49,10 @@ pub(crate) fn torques(
     Torques::from([t_e, friction(0), friction(1), t_v])
 }
 
-/// z = (x, v, v').
-#[inline(always)]
-pub(crate) fn augmented(x: &State, v: &Torques, v_dot: &Torques) -> Augmented {
-    let mut z = Augmented::zeros();
-    let (states, torques) = z.as_mut_slice().split_at_mut(STATES);
-    let (torques, ramps) = torques.split_at_mut(TORQUES);
-    states.copy_from_slice(x.as_slice());
-    torques.copy_from_slice(v.as_slice());
-    ramps.copy_from_slice(v_dot.as_slice());
-    z
-}
-
-/// A stretch of time without events, from z(0) to its end.
+/// A stretch of time without events, from its start to its end.
 pub(crate) struct Block {
     pub(crate) t: f64,
-    pub(crate) z: Augmented,
+    pub(crate) start: Start,
     pub(crate) motion: Motion,
     pub(crate) x_end: State,
     pub(crate) input: Input,
@@ -82,13 +72,11 @@ impl Block {
     ) -> Self {
         let mut block = Self::begin(p, plant, rung, input, rate, [1.0; 2]);
         let direction = plant.brake.direction();
-        let ramp = load_ramp(rung, &block.z, &block.motion, |omega_w| {
+        let ramp = load_ramp(rung, &block.start, &block.motion, |omega_w| {
             let grade = block.grade_end;
             block.input_end.load_torque(p, grade, omega_w, direction)
         });
-        rung.add_load_ramp(&mut block.motion, ramp);
-        block.z[STATES + 2 * TORQUES - 1] = ramp;
-        block.x_end = block.motion.end(&block.z);
+        block.add_ramp(rung, LOAD, ramp);
         block
     }
 
@@ -110,11 +98,11 @@ impl Block {
         let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
         let v = plant.with_synchronisers(p, v);
         let v_dot = torques(p, plant.modes, factor, rate.t_e, rate.force, 0.0);
-        let z = augmented(&plant.x, &v, &v_dot);
-        let motion = rung.motion(&z);
+        let start = rung.start(&plant.x, &v, &v_dot);
+        let motion = rung.motion(&start);
         Self {
             t: rung.t,
-            z,
+            start,
             motion,
             x_end: plant.x,
             input: *input,
@@ -127,15 +115,15 @@ impl Block {
     /// Adds a ramp [N·m/s] to torque `q` of T_e, T_c1, T_c2, T_v.
     pub(crate) fn add_ramp(&mut self, rung: &Rung, q: usize, ramp: f64) {
         rung.add_ramp(&mut self.motion, q, ramp);
-        self.z[STATES + TORQUES + q] += ramp;
-        self.x_end = self.motion.end(&self.z);
+        self.start.add_ramp(q, ramp);
+        self.x_end = self.motion.end(&self.start);
     }
 
     /// Whether a quick look proves that no guard is crossed; [`Self::events`] looks closely.
     ///
     /// A guard whose rate has one sign at both ends does not dip between them.
     pub(crate) fn is_quiet(&self, p: &Params, rows: &Rows, plant: &Plant) -> bool {
-        let (x, v) = (self.start(), self.torques(0.0));
+        let (x, v) = (self.start.x, self.torques(0.0));
         let v_end = self.torques(self.t);
         plant.brake == Mode::Open
             && [0, 1].into_iter().all(|i| match plant.modes[i] {
@@ -158,21 +146,13 @@ impl Block {
             })
     }
 
-    /// x(0).
-    fn start(&self) -> State {
-        let z = &self.z.data.0[0];
-        State::from(core::array::from_fn::<f64, STATES, _>(|i| z[i]))
-    }
-
     /// v at `t` [s] after the start, shape (4).
     fn torques(&self, t: f64) -> Torques {
-        let z = &self.z.data.0[0];
-        Torques::from([0, 1, 2, 3].map(|q| z[STATES + q] + z[STATES + TORQUES + q] * t))
+        Torques::from([0, 1, 2, 3].map(|q| self.start.torque(q) + self.start.ramp(q) * t))
     }
 
     fn torques_rate(&self) -> Torques {
-        let z = &self.z.data.0[0];
-        Torques::from([0, 1, 2, 3].map(|q| z[STATES + TORQUES + q]))
+        Torques::from([0, 1, 2, 3].map(|q| self.start.ramp(q)))
     }
 
     /// The worst crossing of any guard in the block, and the events found at its end.
@@ -212,7 +192,7 @@ impl Block {
         let (modes, brake) = (plant.modes, plant.brake);
         let system = &systems.by_stuck[stuck_set(modes)];
         let (v_dot, v) = (self.torques_rate(), self.torques(t));
-        let x: State = if t > 0.0 { self.x_end } else { self.start() };
+        let x: State = if t > 0.0 { self.x_end } else { self.start.x };
         let rows = &system.rows;
         let mut guards = [[Guard::QUIET; 2]; 3];
         if brake != Mode::Open {
@@ -271,12 +251,12 @@ fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
 #[inline(always)]
 pub(crate) fn load_ramp(
     rung: &Rung,
-    z: &Augmented,
+    start: &Start,
     motion: &Motion,
     load: impl Fn(f64) -> (f64, f64),
 ) -> f64 {
-    let t_v = z[STATES + TORQUES - 1];
-    let held = motion.wheel_speed(z);
+    let t_v = start.torque(LOAD);
+    let held = motion.wheel_speed(start);
     let gain = rung.wheel_speed_by_load_ramp();
     let mut ramp = 0.0;
     for _ in 0..LOAD_ITERATIONS {

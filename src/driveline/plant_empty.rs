@@ -30,6 +30,7 @@ impl Systems {
             held: false,
         },
         rigid_ratio: [0.0; 2],
+        ratio: [0.0; 2],
         synchroniser_ratio: [0.0; 2],
         by_stuck: [System::EMPTY; 4],
         spring_torque: zeros(),

@@ -13,7 +13,7 @@ use crate::integrate::Rung;
 use crate::params::ClutchParams;
 use crate::plant::Plant;
 use crate::plant_block::Block;
-use crate::plant_matrices::{STATES, TORQUES, slip};
+use crate::plant_matrices::slip;
 use crate::plant_modes::Mode;
 use crate::plant_ports::{Input, InputRate};
 
@@ -147,12 +147,12 @@ struct Ramps {
 
 impl Ramps {
     fn new(rung: &Rung, block: &Block) -> Self {
-        let at = |first: usize| Vector3::from([0, 1, 2].map(|q| block.z[first + FIRST + q]));
+        let start = &block.start;
         Self {
-            torque: at(STATES),
-            first: at(STATES + TORQUES),
+            torque: [0, 1, 2].map(|q| start.torque(FIRST + q)).into(),
+            first: [0, 1, 2].map(|q| start.ramp(FIRST + q)).into(),
             added: Vector3::zeros(),
-            speed: block.motion.worked_speeds(&block.z).into(),
+            speed: block.motion.worked_speeds(start).into(),
             gain: Matrix3::from_columns(
                 &[0, 1, 2].map(|q| rung.worked_speeds_by_ramp(FIRST + q).into()),
             ),

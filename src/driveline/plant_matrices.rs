@@ -93,6 +93,8 @@ pub struct Systems {
     pub coupling: Coupling,
     /// ω_ci = g_i ω_o holds exactly; 0 where it does not (compliant, neutral), shape (2).
     pub rigid_ratio: [f64; 2],
+    /// g_i of the gear that is in; 0 in neutral, shape (2).
+    pub ratio: [f64; 2],
     /// g_i of the gear that a shaft is synchronised to; 0 where none is, shape (2).
     pub synchroniser_ratio: [f64; 2],
     /// By engaged clutches: none, clutch 1, clutch 2, both.
@@ -138,6 +140,7 @@ impl Systems {
         Self {
             coupling,
             rigid_ratio: rigid_ratio(p, coupling),
+            ratio: p.g(coupling.gear_in()),
             synchroniser_ratio,
             by_stuck: [stuck(0), stuck(1), stuck(2), stuck(3)],
             spring_torque: spring_torque(&springs),

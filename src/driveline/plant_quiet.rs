@@ -5,17 +5,14 @@
 //! answer, nothing is done and the step is taken there.
 
 use crate::Params;
-use crate::integrate::{Augmented, LADDER, Propagators, Rung};
+use crate::integrate::{LADDER, Propagators, Rung, Start};
 use crate::plant::Plant;
-use crate::plant_block::{augmented, load_ramp, torques};
+use crate::plant_block::{LOAD, load_ramp, torques};
 use crate::plant_matrices::{
     C, D, Rows, SPEEDS, STATES, State, Systems, TORQUES, Torques, W, slip,
 };
 use crate::plant_modes::{Mode, ZERO_SLIP, stuck_set};
 use crate::plant_ports::{Input, InputRate};
-
-/// Index of T_v among the torques.
-const LOAD: usize = TORQUES - 1;
 
 /// State and torques at one end of the step, in the order of a row.
 type Instant = [f64; STATES + TORQUES];
@@ -46,19 +43,18 @@ impl Plant {
         let load = |omega_w| p.road.smooth_load(omega_w, self.grade);
         let (t_v, _) = load(self.x[W]);
         let v = torques(p, self.modes, [1.0; 2], input.t_e, input.force, t_v);
-        let mut z = augmented(&self.x, &v, &Torques::zeros());
-        let start = instant(&self.x, &v);
-        let mut motion = rung.motion(&z);
-        let ramp = load_ramp(rung, &z, &motion, load);
-        rung.add_load_ramp(&mut motion, ramp);
-        z[STATES + TORQUES + LOAD] = ramp;
-        let x_end = motion.end(&z);
-        let mut end = instant(&x_end, &v);
-        end[STATES + LOAD] += ramp * rung.t;
-        let quiet = self.is_quiet(p, rows, input, 0, [&start, &end], ramp)
-            && self.is_quiet(p, rows, input, 1, [&start, &end], ramp);
+        let mut start = rung.start(&self.x, &v, &Torques::zeros());
+        let mut motion = rung.motion_held(&start);
+        let ramp = load_ramp(rung, &start, &motion, load);
+        rung.add_ramp(&mut motion, LOAD, ramp);
+        start.add_ramp(LOAD, ramp);
+        let x_end = motion.end(&start);
+        let mut ends = [instant(&self.x, &v), instant(&x_end, &v)];
+        ends[1][STATES + LOAD] += ramp * rung.t;
+        let quiet = self.is_quiet(p, rows, input, 0, &ends, ramp)
+            && self.is_quiet(p, rows, input, 1, &ends, ramp);
         if quiet {
-            self.book(rung, &z, &rung.work(&z, &motion));
+            self.book(rung, &start, &rung.work(&start, &motion));
             self.x = x_end;
             self.hold_ratios(systems.rigid_ratio);
             remove_slip(systems, set, &mut self.x);
@@ -76,7 +72,7 @@ impl Plant {
         rows: &Rows,
         input: &Input,
         i: usize,
-        ends: [&Instant; 2],
+        ends: &[Instant; 2],
         ramp: f64,
     ) -> bool {
         let pressed = input.force[i] > 0.0;
@@ -85,16 +81,16 @@ impl Plant {
             Mode::Stuck => {
                 let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n * input.force[i];
                 let ramp = rows.torque[i].of_torque(LOAD, ramp);
-                let rate = |k: usize| rows.torque_rate[i].at(ends[k]) + ramp;
+                let rate = |k: usize| rows.torque_rate[i].at(&ends[k]) + ramp;
                 pressed
-                    && rows.torque[i].at(ends[0]).abs() < reach
-                    && rows.torque[i].at(ends[1]).abs() < reach
+                    && rows.torque[i].at(&ends[0]).abs() < reach
+                    && rows.torque[i].at(&ends[1]).abs() < reach
                     && rate(0) * rate(1) >= 0.0
             }
             sliding => {
                 let direction = sliding.direction();
-                let [start, end] = ends.map(|end| direction * (end[D] - end[C + i]));
-                let rate = |k: usize| direction * rows.slip_rate[i].at(ends[k]);
+                let [start, end] = [0, 1].map(|k| direction * (ends[k][D] - ends[k][C + i]));
+                let rate = |k: usize| direction * rows.slip_rate[i].at(&ends[k]);
                 pressed && start > ZERO_SLIP && end >= 0.0 && (rate(0) >= 0.0 || rate(1) <= 0.0)
             }
         }
@@ -102,7 +98,7 @@ impl Plant {
 
     /// Books work and losses over a rung.
     #[inline(always)]
-    pub(crate) fn book(&mut self, rung: &Rung, z: &Augmented, work: &Torques) {
+    pub(crate) fn book(&mut self, rung: &Rung, start: &Start, work: &Torques) {
         self.work.engine += work[0];
         for i in [0, 1] {
             *if self.synchroniser[i] == Mode::Open {
@@ -112,7 +108,7 @@ impl Plant {
             } += work[1 + i];
         }
         self.work.load += work[3];
-        self.work.viscous += rung.viscous_loss(z);
+        self.work.viscous += rung.viscous_loss(start);
     }
 }
 

@@ -3,7 +3,10 @@
 use nalgebra::SMatrix;
 
 use crate::plant_matrices::{AUGMENTED, C, D, E, O, SPEEDS, STATES, System, Systems, TORQUES, W};
-use crate::rung::{ANGLE, Columns, MOMENT, RAMP, ROWS, add};
+use crate::rung::{ANGLE, MOMENT, RAMP, ROWS, add};
+
+/// Columns of z = (x, v, v').
+pub(crate) type Columns<const N: usize> = [[f64; N]; AUGMENTED];
 
 /// Most terms of the exponential series: with ‖A t‖ ≤ 0.05 the next one is 0.05^10 / 10! < 1e-19.
 const SERIES_TERMS: u32 = 9;

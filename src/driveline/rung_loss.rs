@@ -1,106 +1,102 @@
-//! The energy lost in the dampers over a rung: a quadratic form of z, packed for the usual case.
+//! The energy lost in the dampers over a rung: a quadratic form of the entries of a start, packed.
 //!
-//! Usually of the eight torques and ramps only T_e, T_v and T_v' are not zero. With those and the states
-//! as the core, F z needs only the rows up to each column (entries off the diagonal are doubled); the
-//! columns of a core come in blocks whose length the compiler knows.
+//! F z needs only the rows up to each column (entries off the diagonal are doubled). Entries of the
+//! transfer shafts are zero where those are rigid, torques of clutches and most ramps are zero usually: the
+//! order of the entries puts them last, in blocks of columns whose length the compiler knows.
 
 use crate::plant_matrices::AUGMENTED;
-use crate::rung::{Augmented, add, dot};
+use crate::rung::{add, dot};
+use crate::rung_start::{CLUTCHES, COLUMNS, ENTRIES, SHAFTS};
 
-/// Entries of z in the order of the form: states, T_e, T_v, T_v', then what is usually zero.
-const ORDER: [usize; AUGMENTED] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13, 17, 11, 12, 14, 15, 16];
-/// States, T_e, T_v, T_v'.
-const CORE: usize = 13;
-/// Entries of the columns behind the core, each down to the diagonal.
-const REST: usize = AUGMENTED * (AUGMENTED + 1) / 2 - CORE * (CORE + 1) / 2;
+/// First torque among the entries, then T_v' and T_e'.
+const FIRST_TORQUE: usize = 4;
+const LOAD_RAMP: usize = 6;
+const ENGINE_RAMP: usize = 7;
 
 /// ∫ viscous power dτ as a quadratic form: columns of its upper triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Loss {
-    first: [[f64; 4]; 4],
-    second: [[f64; 8]; 4],
-    third: [[f64; 10]; 2],
-    torques: [[f64; 12]; 2],
-    load_ramp: [f64; CORE],
-    rest: [f64; REST],
+    states: [[f64; 4]; 4],
+    torques: [[f64; 6]; 2],
+    ramps: [[f64; SHAFTS]; 2],
+    shafts: [[f64; CLUTCHES]; 4],
+    clutches: [[f64; ENTRIES]; 4],
 }
 
 impl Loss {
     pub(crate) const ZERO: Self = Self {
-        first: [[0.0; 4]; 4],
-        second: [[0.0; 8]; 4],
-        third: [[0.0; 10]; 2],
-        torques: [[0.0; 12]; 2],
-        load_ramp: [0.0; CORE],
-        rest: [0.0; REST],
+        states: [[0.0; 4]; 4],
+        torques: [[0.0; 6]; 2],
+        ramps: [[0.0; SHAFTS]; 2],
+        shafts: [[0.0; CLUTCHES]; 4],
+        clutches: [[0.0; ENTRIES]; 4],
     };
 
-    /// The form of a symmetric matrix, given by its columns.
+    /// The form of a symmetric matrix of z, given by its columns; it depends on speeds by their
+    /// differences alone.
     pub(crate) fn pack(&mut self, form: &[[f64; AUGMENTED]; AUGMENTED]) {
-        let entry = |i: usize, j: usize| match (form[ORDER[i]][ORDER[j]], i) {
-            (_, i) if i > j => 0.0,
-            (on, i) if i == j => on,
-            (off, _) => off + form[ORDER[j]][ORDER[i]],
-        };
-        let fill = |column: &mut [f64], j: usize| {
-            column
-                .iter_mut()
-                .enumerate()
-                .for_each(|(i, to)| *to = entry(i, j));
-        };
-        let first = self.first.iter_mut().map(|column| &mut column[..]);
-        let second = self.second.iter_mut().map(|column| &mut column[..]);
-        let third = self.third.iter_mut().map(|column| &mut column[..]);
-        let torques = self.torques.iter_mut().map(|column| &mut column[..]);
-        let core = first.chain(second).chain(third).chain(torques);
-        core.chain([&mut self.load_ramp[..]])
-            .enumerate()
-            .for_each(|(j, column)| fill(column, j));
-        let mut rest = &mut self.rest[..];
-        for j in CORE..AUGMENTED {
-            let (column, next) = rest.split_at_mut(j + 1);
-            fill(column, j);
-            rest = next;
-        }
+        fill(&mut self.states, 0, form);
+        fill(&mut self.torques, FIRST_TORQUE, form);
+        fill(&mut self.ramps, LOAD_RAMP, form);
+        fill(&mut self.shafts, SHAFTS, form);
+        fill(&mut self.clutches, CLUTCHES, form);
     }
 
-    /// The loss from z [J].
-    #[inline(always)]
-    pub(crate) fn of(&self, z: &Augmented) -> f64 {
-        let z = &z.data.0[0];
-        let mut sum = [0.0; 12];
-        let (engine, load, load_ramp) = (z[ORDER[10]], z[ORDER[11]], z[ORDER[12]]);
-        add(&mut sum, &self.torques[0], engine);
-        add(&mut sum, &self.torques[1], load);
-        for (column, z) in self.third.iter().zip(&z[8..]) {
+    /// The loss [J]; `rigid`: without entries of shafts.
+    #[inline(never)] // a function of its own has registers for it
+    pub(crate) fn of(&self, z: &[f64; ENTRIES], rigid: bool) -> f64 {
+        let mut sum = [0.0; SHAFTS];
+        let mut loss = 0.0;
+        if !rigid {
+            loss += self.of_shafts(z, &mut sum);
+        }
+        add(&mut sum, &self.ramps[0], z[LOAD_RAMP]);
+        add(&mut sum, &self.torques[0], z[FIRST_TORQUE]);
+        add(&mut sum, &self.torques[1], z[FIRST_TORQUE + 1]);
+        for (column, z) in self.states.iter().zip(z) {
             add(&mut sum, column, *z);
         }
-        for (column, z) in self.second.iter().zip(&z[4..]) {
-            add(&mut sum, column, *z);
-        }
-        for (column, z) in self.first.iter().zip(z) {
-            add(&mut sum, column, *z);
-        }
-        let [states @ .., by_engine, by_load] = &sum;
-        let [ramp_states @ .., ramp_engine, ramp_load, ramp_itself] = &self.load_ramp;
-        let by_ramp = dot(ramp_states, z)
-            + (ramp_engine * engine + ramp_load * load + ramp_itself * load_ramp);
-        let core = dot(states, z) + (by_engine * engine + by_load * load) + by_ramp * load_ramp;
-        let others = [z[11], z[12], z[14], z[15], z[16]].map(|entry| entry == 0.0);
+        loss += dot(&sum, z);
+        let others = [z[7], z[12], z[13], z[14], z[15]].map(|entry| entry == 0.0);
         let bare = others[0] & others[1] & others[2] & others[3] & others[4];
-        if bare { core } else { core + self.of_rest(z) }
+        if bare { loss } else { loss + self.of_rest(z) }
     }
 
-    fn of_rest(&self, z: &[f64; AUGMENTED]) -> f64 {
-        let z = ORDER.map(|index| z[index]);
-        let (mut sum, mut rest) = (0.0, &self.rest[..]);
-        for (j, entry) in z.iter().enumerate().skip(CORE) {
-            let (column, next) = rest.split_at(j + 1);
-            rest = next;
+    /// What entries of shafts lose alone; `sum`: gains what they add to the columns before them.
+    #[inline(always)]
+    fn of_shafts(&self, z: &[f64; ENTRIES], sum: &mut [f64; SHAFTS]) -> f64 {
+        let mut all = [0.0; CLUTCHES];
+        for (column, z) in self.shafts.iter().zip(&z[SHAFTS..]) {
+            add(&mut all, column, *z);
+        }
+        let (before, own) = all.split_at(SHAFTS);
+        sum.copy_from_slice(before);
+        dot(own, &z[SHAFTS..])
+    }
+
+    fn of_rest(&self, z: &[f64; ENTRIES]) -> f64 {
+        let mut sum = z[ENGINE_RAMP] * dot(&self.ramps[1], z);
+        for (column, entry) in self.clutches.iter().zip(&z[CLUTCHES..]) {
             if *entry != 0.0 {
-                sum += entry * dot(column, &z);
+                sum += entry * dot(column, z);
             }
         }
         sum
+    }
+}
+
+/// Columns from `first` on, down to the diagonal.
+fn fill<const N: usize, const M: usize>(
+    columns: &mut [[f64; N]; M],
+    first: usize,
+    form: &[[f64; AUGMENTED]; AUGMENTED],
+) {
+    for (column, j) in columns.iter_mut().zip(first..) {
+        let entry = |i: usize| match form[COLUMNS[i]][COLUMNS[j]] {
+            _ if i > j => 0.0,
+            on if i == j => on,
+            off => off + form[COLUMNS[j]][COLUMNS[i]],
+        };
+        *column = core::array::from_fn(entry);
     }
 }

@@ -1,0 +1,82 @@
+//! What the plant shows at an instant.
+
+use crate::Params;
+use crate::plant::Plant;
+use crate::plant_block::torques;
+use crate::plant_brake::drive_shaft_torque;
+use crate::plant_matrices::{C, D, E, O, Systems, W};
+use crate::plant_modes::{Mode, stuck_set};
+use crate::plant_ports::{ClutchState, Input, Output};
+
+impl Plant {
+    /// Outputs at the present instant with the inputs that act at it.
+    pub fn outputs(&self, p: &Params, systems: &Systems, input: &Input) -> Output {
+        let mut y = Output::default();
+        self.write_outputs(p, systems, input, &mut y);
+        y
+    }
+
+    /// [`Self::outputs`] into their place.
+    pub fn write_outputs(&self, p: &Params, systems: &Systems, input: &Input, y: &mut Output) {
+        let x = &self.x;
+        let held = self.brake == Mode::Stuck;
+        let t_v = if held {
+            drive_shaft_torque(p, x)
+        } else {
+            let grade = self.grade.at(input.phi);
+            let direction = self.brake_direction();
+            input.load_torque(p, grade, x[W], direction).0
+        };
+        let factor = if p.friction_varies() {
+            self.friction_factor(p)
+        } else {
+            [1.0; 2]
+        };
+        let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
+        let v = self.with_synchronisers(p, v);
+        let system = &systems.by_stuck[stuck_set(self.modes)];
+        let t_c = [0, 1].map(|i| match self.modes[i] {
+            Mode::Stuck => system.rows.torque[i].of(x, &v),
+            Mode::Open => 0.0,
+            _ => v[1 + i],
+        });
+        let slip = self.slip();
+        let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
+        for i in [0, 1] {
+            if systems.rigid_ratio[i] != 0.0 {
+                let omega_c_dot = system.rate(C + i, x, &v);
+                t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - systems.storage[C + i] * omega_c_dot);
+            }
+            if self.synchroniser[i] != Mode::Open {
+                t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
+            }
+        }
+        let omega_w_dot = if held { 0.0 } else { (t_o - t_v) / p.j_v };
+        *y = Output {
+            omega_e: x[E],
+            omega_d: x[D],
+            omega_c: [x[C], x[C + 1]],
+            omega_o: x[O],
+            omega_w: x[W],
+            vehicle_speed: p.road.r_w * x[W],
+            vehicle_acceleration: p.road.r_w * omega_w_dot,
+            t_d,
+            t_c,
+            t_t,
+            t_o,
+            t_v,
+            slip,
+            state: self.modes.map(ClutchState::from),
+            held,
+            friction_power: [t_c[0] * slip[0], t_c[1] * slip[1]],
+            friction_energy: self.work.friction,
+            synchronising: systems.coupling.synchronising,
+            temperature: self.temperature,
+            wear: [0, 1].map(|i| p.clutch[i].specific_wear * self.work.friction[i]),
+            brake_power: self.brake_power(input.t_brake),
+            brake_energy: self.work.brake,
+            synchroniser_energy: self.work.synchroniser,
+            energy_residual: self.energy_residual(systems),
+        };
+    }
+}
