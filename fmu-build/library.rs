@@ -140,6 +140,7 @@ pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec
 /// Compiler flags of FMU libraries.
 fn flags(folder: &Path, target: &Target) -> Vec<String> {
     let mut flags = vec![remap(folder, "model"), remap(workspace(), "dct")];
+    flags.extend(root(folder).map(|root| remap(&root, "dct")));
     flags.extend(cargo_home().map(|home| remap(&home, "cargo")));
     // A standard library that is built here names its sources, too; others say /rustc already.
     flags.extend(rust_sources().map(|sources| remap(&sources, "/rustc")));
@@ -148,6 +149,17 @@ fn flags(folder: &Path, target: &Target) -> Vec<String> {
         flags.push("-Clink-arg=-lm".into());
     }
     flags
+}
+
+/// Folder of the workspace that `folder` is in: another than ours for a package of one's own.
+fn root(folder: &Path) -> Option<PathBuf> {
+    let printed = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+        .args(["locate-project", "--workspace", "--message-format=plain"])
+        .current_dir(folder)
+        .output()
+        .ok()?;
+    let manifest = String::from_utf8(printed.stdout).ok()?;
+    Path::new(manifest.trim()).parent().map(Path::to_path_buf)
 }
 
 fn remap(from: &Path, to: &str) -> String {

@@ -110,6 +110,9 @@ reported;\nit may still do to your files what you may: check only FMUs whose ori
         /// Oldest glibc that their Linux libraries shall run with, e.g. 2.17.
         #[arg(long, value_name = "VERSION")]
         glibc: Option<Version>,
+        /// Take warnings for errors, too: for FMUs that are handed over to others.
+        #[arg(long)]
+        strict: bool,
         /// The longest that one call of an FMU may take.
         #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
         limit: Duration,
@@ -181,11 +184,13 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
         Command::Check {
             fmus,
             glibc,
+            strict,
             limit,
             json,
         } => {
             let options = Options {
                 glibc,
+                strict,
                 host: Some(std::env::current_exe()?),
                 limit,
             };

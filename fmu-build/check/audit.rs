@@ -1,10 +1,15 @@
 //! The libraries of an FMU, whatever machine they are for: read from their files, not run.
 
-use super::{Report, native};
+use super::{Report, Severity, native};
 use crate::binary::{Binary, Version};
 use crate::{Error, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// The glibc of RHEL 7 and manylinux2014: libraries that need no newer one load on every Linux of today.
+const OLDEST: &str = "2.17";
+/// Part of every compiler for Linux, though not of every Linux.
+const OF_COMPILER: &str = "libgcc_s.so.";
 
 /// Libraries that are part of the systems themselves; names of Windows in lower case.
 const SYSTEM: [&str; 16] = [
@@ -27,23 +32,34 @@ const SYSTEM: [&str; 16] = [
 ];
 
 /// Checks every library in `binaries/` of the unpacked FMU `folder`.
-pub(super) fn check(folder: &Path, glibc: Option<&Version>, report: &mut Report) -> Result<()> {
+///
+/// What the standard leaves open is a warning, but an error in FMUs that this program `packed`: exports,
+/// libraries of others, folders and files of the machine it was built on.
+pub(super) fn check(
+    folder: &Path,
+    glibc: Option<&Version>,
+    packed: bool,
+    report: &mut Report,
+) -> Result<()> {
+    let level = if packed {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
     for (platform, path) in libraries(folder)? {
         let bytes = fs::read(&path).map_err(|source| failed(&path, source))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = format!("binaries/{platform}/{name}");
         match Binary::read(&bytes) {
-            Some(binary) => judge(&name, &platform, &binary, report),
+            Some(binary) => {
+                judge(&name, &platform, &binary, level, report);
+                judge_glibc(&name, &binary, glibc, report);
+            }
             None => report.error("2.3", format!("{name} is no dynamic library, or damaged")),
         }
-        if let (Some(binary), Some(wanted)) = (Binary::read(&bytes), glibc) {
-            judge_glibc(&name, &binary, wanted, report);
-        }
         if let Some(path) = source_path(&bytes) {
-            report.warn(
-                "2.3",
-                format!("{name} names {path}, a file of the machine it was built on"),
-            );
+            let text = format!("{name} names {path}, a file of the machine it was built on");
+            report.find(level, "2.3", text);
         }
     }
     Ok(())
@@ -84,7 +100,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
         .collect()
 }
 
-fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
+fn judge(name: &str, platform: &str, binary: &Binary, level: Severity, report: &mut Report) {
     if !binary.platforms.contains(&platform) {
         let right = binary.platforms.first().unwrap_or(&"no platform of FMI");
         report.error("2.3", format!("{name} is a library for {right}"));
@@ -92,18 +108,18 @@ fn judge(name: &str, platform: &str, binary: &Binary, report: &mut Report) {
     let exported = |name: &&&str| binary.exports.iter().any(|export| export == **name);
     let missing = native::FUNCTIONS.iter().filter(|name| !exported(name));
     lacks(name, &missing.copied().collect::<Vec<_>>(), report);
-    judge_exports(name, binary, report);
+    judge_exports(name, binary, level, report);
     for library in binary
         .libraries
         .iter()
         .filter(|library| !is_system(library))
     {
         let text = format!("{name} needs {library}, which is no part of the operating system");
-        report.warn("2.3", text);
+        report.find(level, "2.3", text);
     }
     if let Some(path) = &binary.search_path {
         let text = format!("{name} makes the loader search {path}, a folder of another machine");
-        report.warn("2.3", text);
+        report.find(level, "2.3", text);
     }
 }
 
@@ -116,16 +132,22 @@ pub(super) fn lacks(name: &str, functions: &[&str], report: &mut Report) {
 }
 
 /// Symbols that no importer looks up: each can clash with one of the same name in another library.
-fn judge_exports(name: &str, binary: &Binary, report: &mut Report) {
-    let is_fmi = |export: &&String| export.starts_with("fmi2") || export.starts_with("fmi3");
-    let others: Vec<_> = binary.exports.iter().filter(|e| !is_fmi(e)).collect();
+fn judge_exports(name: &str, binary: &Binary, level: Severity, report: &mut Report) {
+    // One library may serve model exchange and FMI 3.0, too.
+    let others = binary.exports.iter().filter(|export| {
+        let known = ["fmi2", "fmi3"]
+            .iter()
+            .any(|begin| export.starts_with(begin));
+        !known
+    });
+    let others: Vec<_> = others.collect();
     if let [first, more @ ..] = others.as_slice() {
         let more = match more.len() {
             0 => String::new(),
             count => format!(" and {count} more symbols"),
         };
         let text = format!("{name} exports {first}{more}, which no importer calls");
-        report.warn("2.1.1", text);
+        report.find(level, "2.1.1", text);
     }
 }
 
@@ -134,10 +156,28 @@ fn is_system(library: &str) -> bool {
     SYSTEM.iter().any(|begin| name.starts_with(begin))
 }
 
-fn judge_glibc(name: &str, binary: &Binary, wanted: &Version, report: &mut Report) {
-    if let Some(found) = binary.glibc.as_ref().filter(|found| *found > wanted) {
-        let text = format!("{name} needs glibc {found}; it shall run with {wanted}");
-        report.error("2.3", text);
+/// What a Linux library asks of its system: errors where the user said what it may ask for.
+fn judge_glibc(name: &str, binary: &Binary, wanted: Option<&Version>, report: &mut Report) {
+    let oldest = OLDEST.parse().ok();
+    let limit = wanted.or(oldest.as_ref());
+    if let (Some(found), Some(limit)) = (&binary.glibc, limit)
+        && found > limit
+    {
+        let text = format!("{name} needs glibc {found}: no Linux with an older one loads it");
+        match wanted {
+            Some(wanted) => report.error("2.3", format!("{text}, and it shall run with {wanted}")),
+            None => report.warn("2.3", text),
+        }
+    }
+    for library in binary
+        .libraries
+        .iter()
+        .filter(|l| l.starts_with(OF_COMPILER))
+    {
+        report.warn(
+            "2.3",
+            format!("{name} needs {library}, which small Linux systems lack"),
+        );
     }
 }
 
@@ -190,6 +230,46 @@ mod tests {
         assert!(!is_system("libstdc++.so.6") && !is_system("libcurl.so.4"));
     }
 
+    /// A library with everything that the standard leaves open.
+    fn open() -> Binary {
+        let exports = native::FUNCTIONS
+            .iter()
+            .copied()
+            .chain(["a", "b", "fmi2SetTime"]);
+        Binary {
+            platforms: &["linux64"],
+            exports: exports.map(str::to_owned).collect(),
+            libraries: vec!["libcurl.so.4".into(), "libgcc_s.so.1".into()],
+            glibc: Version::parse("GLIBC_2.33"),
+            search_path: Some("/opt".into()),
+        }
+    }
+
+    #[test]
+    fn what_the_standard_leaves_open_is_an_error_in_what_this_program_packs() {
+        for (level, errors) in [(Severity::Warning, 0), (Severity::Error, 3)] {
+            let mut report = Report::default();
+            judge("A.so", "linux64", &open(), level, &mut report);
+            judge_glibc("A.so", &open(), None, &mut report);
+            let texts: Vec<_> = report.findings.iter().map(|f| f.text.as_str()).collect();
+            assert_eq!(
+                texts,
+                [
+                    "A.so exports a and 1 more symbols, which no importer calls",
+                    "A.so needs libcurl.so.4, which is no part of the operating system",
+                    "A.so makes the loader search /opt, a folder of another machine",
+                    "A.so needs glibc 2.33: no Linux with an older one loads it",
+                    "A.so needs libgcc_s.so.1, which small Linux systems lack",
+                ]
+            );
+            let wrong = report
+                .findings
+                .iter()
+                .filter(|f| f.severity == Severity::Error);
+            assert_eq!(wrong.count(), errors);
+        }
+    }
+
     #[test]
     fn a_library_in_the_wrong_folder_is_an_error() {
         let binary = Binary {
@@ -203,11 +283,17 @@ mod tests {
             search_path: Some("/opt".into()),
         };
         let mut report = Report::default();
-        judge("binaries/linux64/A.so", "linux64", &binary, &mut report);
+        judge(
+            "binaries/linux64/A.so",
+            "linux64",
+            &binary,
+            Severity::Warning,
+            &mut report,
+        );
         judge_glibc(
             "A.so",
             &binary,
-            &Version::parse("GLIBC_2.17").unwrap(),
+            Version::parse("GLIBC_2.17").as_ref(),
             &mut report,
         );
         let texts: Vec<_> = report.findings.iter().map(ToString::to_string).collect();

@@ -34,6 +34,9 @@ pub use replay::{Replay, replay};
 /// Some importers' XML parsers stop at it.
 const BYTE_ORDER_MARK: &str = "\u{feff}";
 
+/// How the generation tool of our own FMUs begins.
+const PACKER: &str = concat!(env!("CARGO_PKG_NAME"), " ");
+
 /// What a check found.
 #[derive(Debug, Default)]
 pub struct Report {
@@ -85,16 +88,16 @@ impl Report {
     }
 
     fn error(&mut self, clause: &'static str, text: impl Into<String>) {
-        self.push(Finding {
-            severity: Severity::Error,
-            clause: clause.into(),
-            text: text.into(),
-        });
+        self.find(Severity::Error, clause, text);
     }
 
     fn warn(&mut self, clause: &'static str, text: impl Into<String>) {
+        self.find(Severity::Warning, clause, text);
+    }
+
+    fn find(&mut self, severity: Severity, clause: &'static str, text: impl Into<String>) {
         self.push(Finding {
-            severity: Severity::Warning,
+            severity,
             clause: clause.into(),
             text: text.into(),
         });
@@ -153,8 +156,11 @@ impl fmt::Display for Finding {
 /// How an FMU is checked.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Oldest glibc that its Linux libraries shall run with; a newer need is an error.
+    /// Oldest glibc that its Linux libraries shall run with; a newer need is an error. Without it, needing
+    /// a newer one than 2.17 is a warning.
     pub glibc: Option<Version>,
+    /// Whether warnings are errors, too: what is handed over to others should have none.
+    pub strict: bool,
     /// Program that runs the FMU's code, called as `PROGRAM probe NAME FOLDER TRACE`, which calls [`probe`]:
     /// `fmu-build` is one. Without it, this process runs the code, and crashes with it.
     pub host: Option<PathBuf>,
@@ -166,6 +172,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             glibc: None,
+            strict: false,
             host: None,
             limit: Duration::from_secs(10),
         }
@@ -187,21 +194,40 @@ pub fn check(path: &Path) -> Result<Report> {
 /// # Errors
 /// When the file cannot be opened at all; everything else is a finding.
 pub fn check_with(path: &Path, options: &Options) -> Result<Report> {
-    let (unpacked, description) = opened(path)?;
-    let mut report = Report {
-        model: description.model_name.clone(),
-        ..Report::default()
-    };
-    let file = unpacked.folder().join("modelDescription.xml");
+    let mut report = Report::default();
+    container::check(path, &mut report)?;
+    match opened(path) {
+        Ok((unpacked, description)) => {
+            report.model.clone_from(&description.model_name);
+            check_contents(&description, unpacked.folder(), options, &mut report)?;
+        }
+        // Why it cannot be unpacked was found in its directory.
+        Err(error) if !report.is_valid() => report.error("2.3", error.to_string()),
+        Err(error) => return Err(error),
+    }
+    if options.strict {
+        for finding in &mut report.findings {
+            finding.severity = Severity::Error;
+        }
+    }
+    Ok(report)
+}
+
+fn check_contents(
+    description: &Description,
+    folder: &Path,
+    options: &Options,
+    report: &mut Report,
+) -> Result<()> {
+    let file = folder.join("modelDescription.xml");
     if fs::read(&file).is_ok_and(|bytes| bytes.starts_with(BYTE_ORDER_MARK.as_bytes())) {
         report.error("2.2", "modelDescription.xml begins with a byte order mark");
     }
-    container::check(path, &mut report)?;
-    rules::check(&description, &mut report);
-    roles::check(&description, &mut report);
-    audit::check(unpacked.folder(), options.glibc.as_ref(), &mut report)?;
-    check_library(&description, unpacked.folder(), options, &mut report)?;
-    Ok(report)
+    rules::check(description, report);
+    roles::check(description, report);
+    let packed = description.generation_tool.starts_with(PACKER);
+    audit::check(folder, options.glibc.as_ref(), packed, report)?;
+    check_library(description, folder, options, report)
 }
 
 /// Unpacks an FMU and reads its description.

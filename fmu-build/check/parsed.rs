@@ -12,6 +12,8 @@ pub(super) struct Description {
     pub model_name: String,
     #[serde(rename = "@guid")]
     pub guid: String,
+    #[serde(rename = "@generationTool", default)]
+    pub generation_tool: String,
     #[serde(rename = "DefaultExperiment", default)]
     pub experiment: Experiment,
     #[serde(rename = "TypeDefinitions", default)]

@@ -3,7 +3,7 @@
 // Clippy knows tests by their attribute; these are their helpers.
 #![allow(clippy::unwrap_used)]
 
-use fmu_build::{Finding, Options, library};
+use fmu_build::{Finding, Options, Severity, library};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -65,20 +65,28 @@ const DEFECTS: &[(&str, &str)] = &[
     ),
 ];
 
-/// Compiles the library with a defect; packs it.
-fn fmu(folder: &Path, defect: &str) -> PathBuf {
+/// An option of the linker that the loader sees, for one of the defects.
+fn search_path(defect: &str) -> String {
+    match defect {
+        "UNTIDY" => "-Wl,-rpath,/opt/lag".into(),
+        _ => "-O1".into(),
+    }
+}
+
+/// Compiles the library with a defect; packs it with a description.
+fn fmu(folder: &Path, defect: &str, description: &str) -> PathBuf {
     let (platform, extension) = library::platform().unwrap();
     let library = folder.join(defect);
     let done = Command::new("cc")
         .args(["-shared", "-fPIC", "-fvisibility=hidden", "-O1", "-w"])
-        .arg(format!("-D{defect}"))
+        .args([format!("-D{defect}"), search_path(defect)])
         .args(["-o".as_ref(), library.as_os_str(), SOURCE.as_ref()])
         .status()
         .unwrap();
     assert!(done.success(), "{defect}");
     let path = folder.join(format!("{defect}.fmu"));
     let members = vec![
-        ("modelDescription.xml".into(), DESCRIPTION.into()),
+        ("modelDescription.xml".into(), description.into()),
         (
             format!("binaries/{platform}/Lag.{extension}"),
             fs::read(&library).unwrap(),
@@ -94,7 +102,7 @@ fn findings(folder: &Path, defect: &str) -> Vec<Finding> {
         limit: Duration::from_secs(1),
         ..Options::default()
     };
-    fmu_build::check_with(&fmu(folder, defect), &options)
+    fmu_build::check_with(&fmu(folder, defect, DESCRIPTION), &options)
         .unwrap()
         .findings
 }
@@ -109,6 +117,38 @@ fn new_folder(name: &str) -> PathBuf {
 fn the_sound_library_has_no_findings() {
     let folder = new_folder("sound");
     assert_eq!(findings(&folder, "SOUND"), []);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn what_belongs_to_the_build_machine_is_an_error_in_fmus_packed_here_and_in_strict_checks() {
+    let folder = new_folder("untidy");
+    let packed = DESCRIPTION.replace("guid=", "generationTool=\"fmu-build 9\" guid=");
+    for (description, strict, errors) in [
+        (DESCRIPTION, false, 0),
+        (DESCRIPTION, true, 3),
+        (&packed, false, 3),
+    ] {
+        let options = Options {
+            strict,
+            ..Options::default()
+        };
+        let report = fmu_build::check_with(&fmu(&folder, "UNTIDY", description), &options).unwrap();
+        let texts: Vec<_> = report.findings.iter().map(|f| f.text.as_str()).collect();
+        assert_eq!(
+            texts,
+            [
+                "binaries/linux64/Lag.so exports lag_version, which no importer calls",
+                "binaries/linux64/Lag.so makes the loader search /opt/lag, a folder of another machine",
+                "binaries/linux64/Lag.so names /home/lag/lag.c, a file of the machine it was built on",
+            ]
+        );
+        let wrong = report
+            .findings
+            .iter()
+            .filter(|f| f.severity == Severity::Error);
+        assert_eq!((wrong.count(), report.is_valid()), (errors, errors == 0));
+    }
     fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -1,4 +1,4 @@
-//! Fifty ways to spoil an FMU: the check must name each of them.
+//! Sixty ways to spoil an FMU: the check must name each of them.
 
 // Clippy knows tests by their attribute; these are their helpers.
 #![allow(clippy::unwrap_used)]
@@ -245,6 +245,16 @@ const MUTANTS: &[(&str, &str, &str)] = &[
         "odd is no dependenciesKind",
     ),
     (
+        "<Unknown index=\"22\" dependencies=\"2\"/>",
+        "<Unknown index=\"22\" dependencies=\"\"/>",
+        "which is not among its dependencies",
+    ),
+    (
+        "<Category name=\"logEvents\"",
+        "<Category name=\"logOther\"",
+        "fmi2SetDebugLogging refuses the log category logOther",
+    ),
+    (
         "<InitialUnknowns>",
         "<InitialUnknowns><Unknown index=\"1\"/>",
         "is set, not computed",
@@ -263,8 +273,26 @@ fn plant() -> &'static Entry {
         .unwrap()
 }
 
+/// Bytes of the first member of the archive that are written over, by their distance from the beginning of its
+/// entry in the directory, and what the check must say.
+const ARCHIVES: &[(&[(usize, u8)], &str)] = &[
+    (&[(8, 1)], "binaries/linux64/DctPlant.so is encrypted"),
+    (
+        &[(10, 93)],
+        "binaries/linux64/DctPlant.so is compressed by method 93",
+    ),
+    (
+        &[(10, 12)],
+        "binaries/linux64/DctPlant.so is compressed by method 12",
+    ),
+];
+
 /// What the check says is wrong with an FMU of this description and library.
 fn errors(folder: &Path, description: &str, library: &[u8]) -> String {
+    errors_of(&packed(folder, description, library))
+}
+
+fn packed(folder: &Path, description: &str, library: &[u8]) -> PathBuf {
     let (platform, extension) = library::platform().unwrap();
     let path = folder.join("mutant.fmu");
     let members = vec![
@@ -275,7 +303,11 @@ fn errors(folder: &Path, description: &str, library: &[u8]) -> String {
         ),
     ];
     fmu_build::package(&path, members).unwrap();
-    let report = fmu_build::check(&path).unwrap();
+    path
+}
+
+fn errors_of(path: &Path) -> String {
+    let report = fmu_build::check(path).unwrap();
     let wrong = report
         .findings
         .iter()
@@ -283,17 +315,22 @@ fn errors(folder: &Path, description: &str, library: &[u8]) -> String {
     wrong.map(|finding| format!("{finding}\n")).collect()
 }
 
-fn new_folder() -> PathBuf {
-    let folder = env::temp_dir().join(format!("fmu-build-mutants-{}", std::process::id()));
+/// The plant's description and library.
+fn sound() -> (String, Vec<u8>) {
+    let library = plant().library(&library::Target::host().unwrap());
+    ((plant().describe)().unwrap(), library.unwrap())
+}
+
+fn new_folder(name: &str) -> PathBuf {
+    let folder = env::temp_dir().join(format!("fmu-build-{name}-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     folder
 }
 
 #[test]
 fn every_mutant_is_found_and_named() {
-    let folder = new_folder();
-    let description = (plant().describe)().unwrap();
-    let library = plant().library(&library::Target::host().unwrap()).unwrap();
+    let folder = new_folder("mutants");
+    let (description, library) = sound();
     assert_eq!(errors(&folder, &description, &library), "");
     let mut missed = Vec::new();
     for (sound, broken, expected) in MUTANTS {
@@ -307,4 +344,34 @@ fn every_mutant_is_found_and_named() {
     fs::remove_dir_all(&folder).unwrap();
     assert!(MUTANTS.len() >= 40);
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+#[test]
+fn every_spoilt_archive_is_found_and_named() {
+    let folder = new_folder("archives");
+    let (description, library) = sound();
+    let path = packed(&folder, &description, &library);
+    let bytes = fs::read(&path).unwrap();
+    let entry = bytes
+        .windows(4)
+        .position(|part| part == b"PK\x01\x02")
+        .unwrap();
+    for (over, expected) in ARCHIVES {
+        let mut spoilt = bytes.clone();
+        for (offset, value) in *over {
+            spoilt[entry + offset] = *value;
+        }
+        fs::write(&path, spoilt).unwrap();
+        let found = errors_of(&path);
+        assert!(found.contains(expected), "{expected}? {found}");
+    }
+    let names = ["a/B", "A/b", "modelDescription.xml"];
+    let member = |name: &str| (name.to_owned(), description.clone().into_bytes());
+    fmu_build::package(&path, names.map(member).into()).unwrap();
+    let found = errors_of(&path);
+    assert!(
+        found.contains("is there twice where file names have no upper case"),
+        "{found}"
+    );
+    fs::remove_dir_all(&folder).unwrap();
 }

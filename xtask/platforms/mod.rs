@@ -70,7 +70,7 @@ fn fmus(compiler: Compiler) -> Command {
 }
 
 fn audit(project: &Project) -> Command {
-    let mut command = project.cargo(&["fmu", "check", "--glibc", GLIBC]);
+    let mut command = project.cargo(&["fmu", "check", "--strict", "--glibc", GLIBC]);
     command.args(MODELS.map(|model| format!("{OUT}/{model}.fmu")));
     command
 }
