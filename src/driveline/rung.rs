@@ -142,7 +142,7 @@ impl Rung {
             }
         }
         self.take_off_constant_speeds();
-        self.loss.pack(&built.loss);
+        self.loss.pack(&built.loss, systems);
     }
 
     /// Leaves to angles and moments what speeds add to them that change.
@@ -312,10 +312,10 @@ impl Rung {
         work + ramp * (0.5 * speed * t * t + dot(&self.slips[2 + i], z))
     }
 
-    /// Energy lost in the dampers from a start [J].
+    /// Energy lost in dampers and meshes from a start [J].
     #[inline(always)]
     pub fn viscous_loss(&self, start: &Start) -> f64 {
-        self.loss.of(&start.entries, self.rigid)
+        self.loss.of(&start.entries, self.rigid, start.x[O])
     }
 }
 

@@ -3,8 +3,11 @@
 //! F z needs only the rows up to each column (entries off the diagonal are doubled). Entries of the
 //! transfer shafts are zero where those are rigid, torques of clutches and most ramps are zero usually: the
 //! order of the entries puts them last, in blocks of columns whose length the compiler knows.
+//!
+//! What a gear mesh loses grows with ω_o itself, and not with differences of speeds alone: with ω_o(0) times
+//! a row that reads the torque in the mesh.
 
-use crate::plant_matrices::AUGMENTED;
+use crate::plant_matrices::{AUGMENTED, C, O, Systems, TWIST_T, W};
 use crate::rung::{add, dot};
 use crate::rung_start::{CLUTCHES, COLUMNS, ENTRIES, SHAFTS};
 
@@ -21,6 +24,9 @@ pub(crate) struct Loss {
     ramps: [[f64; SHAFTS]; 2],
     shafts: [[f64; CLUTCHES]; 4],
     clutches: [[f64; ENTRIES]; 4],
+    /// What ω_o(0) [rad/s] times the entries loses, where meshes lose power.
+    output: [f64; ENTRIES],
+    meshes_lose: bool,
 }
 
 impl Loss {
@@ -30,21 +36,40 @@ impl Loss {
         ramps: [[0.0; SHAFTS]; 2],
         shafts: [[0.0; CLUTCHES]; 4],
         clutches: [[0.0; ENTRIES]; 4],
+        output: [0.0; ENTRIES],
+        meshes_lose: false,
     };
 
     /// The form of a symmetric matrix of z, given by its columns; it depends on speeds by their
-    /// differences alone.
-    pub(crate) fn pack(&mut self, form: &[[f64; AUGMENTED]; AUGMENTED]) {
+    /// differences, and on ω_o times other entries where meshes lose power.
+    pub(crate) fn pack(&mut self, form: &[[f64; AUGMENTED]; AUGMENTED], systems: &Systems) {
         fill(&mut self.states, 0, form);
         fill(&mut self.torques, FIRST_TORQUE, form);
         fill(&mut self.ramps, LOAD_RAMP, form);
         fill(&mut self.shafts, SHAFTS, form);
         fill(&mut self.clutches, CLUTCHES, form);
+        self.meshes_lose = [0, 1].map(|i| systems.viscous[(O, TWIST_T + i)]) != [0.0; 2];
+        let [one, two] = systems.ratio;
+        let turning = [(O, 1.0), (W, 1.0), (C, one), (C + 1, two)];
+        self.output = COLUMNS.map(|j| {
+            let pairs = turning.map(|(k, speed)| speed * (form[j][k] + form[k][j]));
+            pairs.iter().sum()
+        });
     }
 
-    /// The loss [J]; `rigid`: without entries of shafts.
+    /// The loss [J]; `rigid`: without entries of shafts; `omega_o`: output speed [rad/s].
+    #[inline(always)]
+    pub(crate) fn of(&self, z: &[f64; ENTRIES], rigid: bool, omega_o: f64) -> f64 {
+        let loss = self.of_entries(z, rigid);
+        if self.meshes_lose {
+            loss + omega_o * dot(&self.output, z)
+        } else {
+            loss
+        }
+    }
+
     #[inline(never)] // a function of its own has registers for it
-    pub(crate) fn of(&self, z: &[f64; ENTRIES], rigid: bool) -> f64 {
+    fn of_entries(&self, z: &[f64; ENTRIES], rigid: bool) -> f64 {
         let mut sum = [0.0; SHAFTS];
         let mut loss = 0.0;
         if !rigid {
@@ -98,5 +123,56 @@ fn fill<const N: usize, const M: usize>(
             off => off + form[COLUMNS[j]][COLUMNS[i]],
         };
         *column = core::array::from_fn(entry);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Loss;
+    use crate::Params;
+    use crate::integrate::Propagators;
+    use crate::plant_matrices::{AUGMENTED, C, D, E, O, STATES, Systems, TWIST_T, W};
+
+    type Row = [f64; AUGMENTED];
+
+    fn row(entries: &[(usize, f64)]) -> Row {
+        let mut row = [0.0; AUGMENTED];
+        entries.iter().for_each(|(at, value)| row[*at] += value);
+        row
+    }
+
+    #[test]
+    fn packed_it_is_the_form_that_it_was() {
+        let mut systems = Systems::new(&Params::TABLE_1, [1, 2]);
+        let g = systems.ratio[0];
+        let torque = row(&[(TWIST_T, 900.0), (C, 2.0), (O, -2.0 * g), (STATES + 1, 3.0)]);
+        let output = row(&[(O, 0.7), (STATES + 7, 0.1), (E, 0.2), (D, -0.2)]);
+        let shaft = row(&[(O, 3.0), (W, -3.0), (STATES + 4, 0.5), (STATES + 3, 0.2)]);
+        let mut form = [[0.0; AUGMENTED]; AUGMENTED];
+        for (j, column) in form.iter_mut().enumerate() {
+            for (i, entry) in column.iter_mut().enumerate() {
+                *entry =
+                    0.5 * (torque[i] * output[j] + output[i] * torque[j]) + shaft[i] * shaft[j];
+            }
+        }
+        systems.viscous[(O, TWIST_T)] = 1.0; // a mesh loses power
+        let mut loss = Loss::ZERO;
+        loss.pack(&form, &systems);
+        let x = [
+            200.0, 198.0, 190.0, 150.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
+        ];
+        let (v, v_dot) = ([60.0, 40.0, -25.0, 300.0], [2e3, -1e3, 5e2, 1e4]);
+        let z = [&x[..], &v, &v_dot].concat();
+        let read = |row: &Row| row.iter().zip(&z).map(|(a, b)| a * b).sum::<f64>();
+        let wanted = read(&torque) * read(&output) + read(&shaft) * read(&shaft);
+        let propagators = Propagators::new(&Params::TABLE_1, [1, 2], 1e-3);
+        let start = propagators
+            .rung(0, 0)
+            .start(&x.into(), &v.into(), &v_dot.into());
+        let found = loss.of(&start.entries, false, start.x[O]);
+        assert!(
+            (found - wanted).abs() < 1e-9 * wanted.abs(),
+            "{found} {wanted}"
+        );
     }
 }
