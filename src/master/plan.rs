@@ -66,6 +66,9 @@ pub struct Input {
     /// Pairs source, value that stand instead of the line.
     #[serde(default)]
     pub table: Vec<(f64, f64)>,
+    /// A `scenario.signal` that is added to the source's value first.
+    #[serde(default)]
+    pub noise: Option<String>,
 }
 
 fn unchanged() -> (f64, f64) {

@@ -28,6 +28,18 @@ struct File {
     components: IndexMap<String, Part>,
     #[serde(default)]
     connections: Vec<Connection>,
+    /// Drawn by `dct-harness`.
+    #[serde(default)]
+    noise: Option<toml::Value>,
+}
+
+impl File {
+    /// What only the harness can do.
+    fn refused(&self) -> Option<&'static str> {
+        let slopes = "interpolate: no input derivatives here";
+        let noise = self.noise.as_ref().map(|_| "noise: none is drawn here");
+        self.system.interpolate.then_some(slopes).or(noise)
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -109,11 +121,11 @@ impl System {
             line: error.span().map_or(0, |span| line(&text, span.start)),
             what: error.message().to_owned(),
         })?;
-        if file.system.interpolate {
+        if let Some(what) = file.refused() {
             return Err(Error::Content {
                 path: path.to_owned(),
                 line: 0,
-                what: "interpolate: no input derivatives here; use `dct-harness run`".into(),
+                what: format!("{what}; use `dct-harness run`"),
             });
         }
         let mut parts: Vec<(String, Part)> = file.components.into_iter().collect();
@@ -276,14 +288,20 @@ mod tests {
 
     #[test]
     fn what_only_the_harness_can_do_is_refused() {
-        let parts = "interpolate = true\n[components.plant]\nfmu = \"p\"\n";
-        let Err(error) = load(&format!("{HEAD}{parts}")) else {
-            panic!("was read")
-        };
-        assert!(
-            error.to_string().contains("use `dct-harness run`"),
-            "{error}"
-        );
+        let plant = "[components.plant]\nfmu = \"p\"\n";
+        for (before, after, said) in [
+            ("interpolate = true\n", "", "no input derivatives here"),
+            ("", "[noise]\n\"plant.x\" = 0.1\n", "none is drawn here"),
+        ] {
+            let Err(error) = load(&format!("{HEAD}{before}{plant}{after}")) else {
+                panic!("was read")
+            };
+            let told = error.to_string();
+            assert!(
+                told.contains(&format!("{said}; use `dct-harness run`")),
+                "{told}"
+            );
+        }
     }
 
     #[test]

@@ -126,6 +126,7 @@ impl Wiring<'_> {
             self.check_family(&target, variable, &source)?;
             let line = explicit.and_then(Connection::line);
             found.push(Input {
+                noise: None,
                 line: match line {
                     Some(line) if variable.family == Family::Real => line,
                     Some(_) => {

@@ -71,6 +71,8 @@ fn scripted(plan: &Plan) -> impl Iterator<Item = String> {
 #[derive(Debug, Default)]
 pub struct Gather {
     sources: Vec<usize>,
+    /// Only where noise is added: place, source of the noise.
+    noises: Vec<(usize, usize)>,
     /// Only where something is changed: place, factor, offset.
     lines: Vec<(usize, f64, f64)>,
     tables: Vec<Table>,
@@ -120,6 +122,7 @@ impl Gather {
         let mut gather = Self::default();
         for (place, (_, input, source)) in found.iter().enumerate() {
             gather.push(component, place, input, *source);
+            gather.add_noise(component, place, input, &places)?;
         }
         Ok((
             gather,
@@ -141,10 +144,33 @@ impl Gather {
         }
     }
 
+    fn add_noise(
+        &mut self,
+        component: &Component,
+        place: usize,
+        input: &Input,
+        places: &HashMap<&str, usize>,
+    ) -> Result<(), Error> {
+        let Some(noise) = &input.noise else {
+            return Ok(());
+        };
+        let source = places.get(noise.as_str()).copied().ok_or_else(|| {
+            let name = format!("{}.{}", component.name, input.name);
+            Error::variable(name, format!("reads '{noise}', which does not exist"))
+        })?;
+        self.noises.push((place, source));
+        Ok(())
+    }
+
     /// Reads the world at communication point `time` [s].
     pub fn gather(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
         for (value, source) in self.values.iter_mut().zip(&self.sources) {
             *value = world.get(*source).copied().unwrap_or(f64::NAN);
+        }
+        for (place, source) in &self.noises {
+            if let Some(value) = self.values.get_mut(*place) {
+                *value += world.get(*source).copied().unwrap_or(f64::NAN);
+            }
         }
         for (place, factor, offset) in &self.lines {
             if let Some(value) = self.values.get_mut(*place) {
@@ -193,10 +219,20 @@ mod tests {
             source: "scenario.u".into(),
             line,
             table,
+            noise: Some("scenario.noise.u".into()),
         };
         let mut gather = Gather::default();
         gather.push(&component, 0, &input, 1);
+        let places = HashMap::from([("scenario.noise.u", 2)]);
+        gather.add_noise(&component, 0, &input, &places).unwrap();
         gather
+    }
+
+    #[test]
+    fn noise_comes_before_the_line() {
+        let mut gather = gather((2.0, 1.0), vec![]);
+        gather.gather(&[0.0, 3.0, 0.5], 0.0).unwrap();
+        assert_eq!(gather.values, [8.0]);
     }
 
     #[test]
@@ -207,14 +243,14 @@ mod tests {
             ((2.0, 1.0), vec![(3.0, -1.0)], -1.0),
         ] {
             let mut gather = gather(line, table);
-            gather.gather(&[0.0, 3.0], 0.0).unwrap();
+            gather.gather(&[0.0, 3.0, 0.0], 0.0).unwrap();
             assert_eq!(gather.values, [expected], "{line:?}");
         }
     }
 
     #[test]
     fn a_value_without_a_row_is_named_with_its_time() {
-        let error = gather((1.0, 0.0), vec![(1.0, 2.0)]).gather(&[0.0, 3.0], 0.5);
+        let error = gather((1.0, 0.0), vec![(1.0, 2.0)]).gather(&[0.0, 3.0, 0.0], 0.5);
         let text = error.unwrap_err().to_string();
         assert_eq!(
             text,

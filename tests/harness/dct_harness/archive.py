@@ -25,6 +25,7 @@ MOST_RATIO = 200  # unpacked / packed; DEFLATE reaches 1032 on zeros, libraries 
 SMALL = 16 << 20  # bytes; below this the ratio does not matter
 CHUNK = 1 << 20
 DESCRIPTION = "modelDescription.xml"
+UNUSED = ("documentation/", "sources/")  # no library reads them
 
 
 @contextmanager
@@ -60,11 +61,11 @@ def _kind(path: Path) -> str:
 
 
 def unpack(path: Path) -> Path:
-    """Unpack an FMU into a new temporary directory; returns it."""
+    """Unpack what a run needs of an FMU into a new temporary directory; returns it."""
     with opened(path) as archive:
         directory = Path(tempfile.mkdtemp(prefix="dct-harness-"))
         try:
-            extract(path, archive, directory)
+            extract(path, archive, directory, UNUSED)
         except BaseException:
             shutil.rmtree(directory, ignore_errors=True)
             raise
@@ -157,9 +158,13 @@ def _fault(member: zipfile.ZipInfo) -> str:
     return ""
 
 
-def extract(path: Path, archive: zipfile.ZipFile, directory: Path) -> None:
-    """Write all members; no more bytes than their headers told."""
+def extract(
+    path: Path, archive: zipfile.ZipFile, directory: Path, without: tuple[str, ...] = ()
+) -> None:
+    """Write all members but those in some folders; no more bytes than their headers told."""
     for member in archive.infolist():
+        if member.filename.startswith(without):
+            continue
         target = directory / member.filename
         try:
             if member.is_dir():

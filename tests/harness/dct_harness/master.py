@@ -20,9 +20,10 @@ from .interpolation import Interpolation
 from .isolated import Limits, load
 from .mapped import Mapped, apply_shared
 from .mapping import Mapping
+from .noise import Noise
 from .signals import describe
 from .system import System
-from .transforms import Conversion, Transform
+from .transforms import Transform
 
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
@@ -114,17 +115,19 @@ class Run:
         held = {s for t, s in self.sources.items() if typed[t] != "Real"}
         used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
         self.names = [f"scenario.{s}" for s in used]
-        self.script = np.zeros((len(self.times), len(used)))
-        for k, signal in enumerate(used):
-            hold = f"scenario.{signal}" in held
-            self.script[:, k] = script.sample(signal, self.times, hold)
-        self.names += [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
+        outputs = [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
+        self.noise = Noise(self.system, self.sources, {n: typed[n] for n in outputs})
+        columns = [script.sample(s, self.times, f"scenario.{s}" in held) for s in used]
+        columns += list(self.noise.samples(len(self.times)).T)
+        self.script = np.array(columns).T.reshape(len(self.times), len(columns))
+        self.names += [*self.noise.columns, *outputs]
         self.loops = algebraic_loops(self.fmus, self.sources)
         self._jacobi = self.system.coupling == "jacobi"
-        self.signals = describe(self.names, self.fmus, self.sources, self.transforms)
+        read = {**self.sources, **dict(zip(self.noise.names, self.noise.columns, strict=True))}
+        self.signals = describe(self.names, self.fmus, read, self.transforms)
         self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
         self.world, self._zeros = np.zeros((2, len(self.names)))
-        self._scripted = self.world[: len(used)]
+        self._scripted = self.world[: len(columns)]
         self._samples = np.zeros((len(self.times), len(self.names)))
 
     def _initialize(self) -> None:
@@ -140,7 +143,9 @@ class Run:
             values = np.zeros(len(where))
             fmu.bind(values, self.world[first : first + len(fmu.outputs)])
             first += len(fmu.outputs)
-            members[name] = Member(fmu, where, values, Conversion(name, names, self.transforms))
+            convert = self.noise.conversion(name, names, self.transforms, self.sources,
+                                            self.world, index)  # fmt: skip
+            members[name] = Member(fmu, where, values, convert)
         self._members = list(members.values())
         self._interpolation = None
         self._scripted[:] = self.script[0]

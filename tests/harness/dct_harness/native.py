@@ -76,7 +76,9 @@ class NativeRun(Run):
         change = self.transforms.get(target)
         line = {"line": [change.factor, change.offset]} if change else {}
         table = {"table": list(change.table.items())} if change and change.table else {}
-        return {"name": name, "source": self.sources[target], **line, **table}
+        column = self.noise.reads(self.sources[target])
+        noise = {"noise": column} if column else {}
+        return {"name": name, "source": self.sources[target], **line, **table, **noise}
 
     def _apart(self, plan: str) -> Made:
         """Make the rows in another process, with the limits of foreign FMUs."""

@@ -13,7 +13,7 @@ from .links import Link
 from .mapped import Mapped, apply_shared, their_value
 from .mapping import Mapping
 from .ports import Ports
-from .system import System
+from .system import NOISE, System
 from .transforms import Transform
 
 
@@ -32,6 +32,9 @@ class Resolved:
 
     def __init__(self, system: System, paths: dict[str, Path], mapping: Mapping | None) -> None:
         self.system, self.paths = system, paths
+        if any(system.noise.values()):
+            raise ConfigError(f"{system.at(NOISE)}: {NOISE}: what is exported has none; "
+                              "leave it out")  # fmt: skip
         self.raw = {name: Ports(name, path) for name, path in paths.items()}
         self.ports: dict[str, Any] = {n: Ports(n, p) for n, p in paths.items()}
         if mapping is not None:

@@ -96,7 +96,7 @@ def judged(args: argparse.Namespace, keep: bool) -> tuple[results.Results, dict[
         if keep:
             return results.from_table(*loop.table(), record, out), _judge(loop, record, out)
         told = results.from_table(*loop.table(), loop.summary(None), out)
-        return told, kpi.compute(told, told.run)
+        return told, kpi.compute(told, told.run, whole=True)
     finally:
         if loop.package is not None:
             loop.package.folder.cleanup()

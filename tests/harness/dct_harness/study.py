@@ -1,7 +1,7 @@
 """A study: one plan of many runs, whether a file or the options of the command line tell it.
 
-Runs are the product of sets of numbers, choices, and axes: scenarios, presets, methods, mappings.
-What a run differs in is told to the verb `run` in words, so that the same words
+Runs are the product of sets of numbers, choices, and axes: scenarios, presets, methods, mappings,
+seeds of noise. What a run differs in is told to the verb `run` in words, so that the same words
 repeat it.
 """
 

@@ -13,7 +13,7 @@ from .ports import Ports
 from .sampling import Factor
 from .study import Study, Words
 from .study_file import setting
-from .system import Value
+from .system import NOISE, Value
 
 
 class Job(NamedTuple):
@@ -80,8 +80,13 @@ def bases(study: Study, words: Words) -> dict[str, float]:
 
 
 def _base(study: Study, factor: Factor, target: str, model: Any, ports: dict[str, Any]) -> Any:
-    """Return the value of the system or the start value of the FMU; None where nobody asks."""
+    """Return the value of the system or the start value of the FMU; None where nobody asks.
+
+    Noise has the deviation of the system file; a run says when there is no such output.
+    """
     component, _, variable = target.partition(".")
+    if component == NOISE:
+        return _number(study, factor, target, model.noise.get(variable))
     if component not in model.components:
         hint = did_you_mean(component, model.components)
         raise ConfigError(f"{_place(study, factor)}: '{target}': {model.path} has no component "
@@ -93,9 +98,14 @@ def _base(study: Study, factor: Factor, target: str, model: Any, ports: dict[str
         hint = did_you_mean(variable, known)
         raise ConfigError(f"{_place(study, factor)}: '{target}': the FMU of '{component}' has no "
                           f"variable '{variable}'.{hint}")  # fmt: skip
+    value = model.components[component].parameters.get(variable, known[variable].start)
+    return _number(study, factor, target, value)
+
+
+def _number(study: Study, factor: Factor, target: str, value: Any) -> float | None:
+    """Return what a factor is relative to; None where it is not."""
     if not factor.relative:
         return None
-    value = model.components[component].parameters.get(variable, known[variable].start)
     try:
         return float(value)
     except (TypeError, ValueError):

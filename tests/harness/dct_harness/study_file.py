@@ -134,7 +134,13 @@ def _mappings(document: tomlfile.Document) -> Axis | None:
     return Axis("mapping", tuple(found)) if found else None
 
 
-AXES = (_scenarios, _presets, _methods, _mappings)
+def _noise(document: tomlfile.Document) -> Axis | None:
+    seeds = document.data.get("noise", {}).get("seeds", ())
+    options = tuple(Option(s, tuple(setting("noise.seed", s))) for s in seeds)
+    return Axis("noise seed", options) if seeds else None
+
+
+AXES = (_scenarios, _presets, _methods, _mappings, _noise)
 
 
 def _shown(document: tomlfile.Document) -> tuple[Shown, ...]:

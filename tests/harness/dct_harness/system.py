@@ -15,6 +15,7 @@ from .transforms import Transform
 
 Value = float | int | bool | str
 ORDER = ("plant", "observer", "control")
+NOISE, SEED = "noise", "seed"
 
 
 @dataclass
@@ -46,6 +47,8 @@ class System:
     places: Places = field(default_factory=Places)  # of the keys in the file
     overridden: set[tuple[str, str]] = field(default_factory=set)  # component, variable
     files: list[Path] = field(default_factory=list)  # parameter files that it names
+    noise: dict[str, float] = field(default_factory=dict)  # output -> standard deviation
+    seed: int = 0  # of the noise
 
     def at(self, *keys: str | int) -> str:
         """Return `file:line:column` of a key, or of the nearest one above it."""
@@ -69,11 +72,25 @@ class System:
         component, dot, variable = key.strip().partition(".")
         if not (equals and dot and variable):
             raise ConfigError(f"--set {text}: write component.variable=value")
+        if component == NOISE:
+            self._override_noise(text, variable, parse_value(value.strip()))
+            return
         if component not in self.components:
             hint = did_you_mean(component, self.components)
             raise ConfigError(f"--set {text}: {self.path} has no component '{component}'.{hint}")
         self.components[component].parameters[variable] = parse_value(value.strip())
         self.overridden.add((component, variable))
+
+    def _override_noise(self, text: str, name: str, value: Value) -> None:
+        """Set the seed, or the standard deviation of an output."""
+        right = type(value) is int if name == SEED else type(value) in (int, float)
+        if not right or float(value) < 0:
+            what = "a whole number" if name == SEED else "a standard deviation"
+            raise ConfigError(f"--set {text}: {name} is {what} of at least 0")
+        if name == SEED:
+            self.seed = int(value)
+        else:
+            self.noise[name] = float(value)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the effective content, for `run.json`."""
@@ -87,6 +104,7 @@ class System:
             "connections": [{"from": s, "to": t, **self.transforms.get(t, Transform()).as_dict()}
                             for t, s in self.connections.items()],
             "kpis": self.kpis, "coupling": self.coupling, "interpolate": self.interpolate,
+            "noise": {SEED: self.seed, **self.noise} if self.noise else {},
         }  # fmt: skip
 
 
@@ -109,6 +127,7 @@ def load(path: Path) -> System:
                   for n, c in sorted(data["components"].items(), key=_rank)}  # fmt: skip
     _check_targets(document)
     _check_kpis(document)
+    noise = dict(data.get(NOISE, {}))
     return System(
         head["name"], head.get("title", head["name"]), float(head["step"]), float(head["stop"]),
         path.parent / head["scenario"], components,
@@ -116,6 +135,7 @@ def load(path: Path) -> System:
         data.get("kpis", []), head.get("coupling", "gauss-seidel"),
         head.get("interpolate", False), places=document.places,
         transforms=_transforms(data.get("connections", [])),
+        seed=noise.pop(SEED, 0), noise={n: float(d) for n, d in noise.items()},
         files=[f for c in data["components"].values()
                for f in parameters.files(path, c.get("parameters", {}))],
     )  # fmt: skip

@@ -19,7 +19,7 @@ from .tracking import compare_feedback
 __all__ = ["KPIS", "Kpi", "Phase", "compare_feedback", "compute", "format_table", "load_phases"]
 
 
-def compute(results: Results, run: dict[str, Any]) -> dict[str, Any]:
+def compute(results: Results, run: dict[str, Any], whole: bool = False) -> dict[str, Any]:
     """Compute all KPIs of one run.
 
     Parameters
@@ -28,6 +28,8 @@ def compute(results: Results, run: dict[str, Any]) -> dict[str, Any]:
         Signals in SI units, shape (n,) each.
     run
         Content of `run.json`.
+    whole
+        Of the scenario as a whole, as far as no limit is on a part of it: a third of the work.
 
     Returns
     -------
@@ -36,11 +38,12 @@ def compute(results: Results, run: dict[str, Any]) -> dict[str, Any]:
         being `scenario`, `phase/<name>`, `state/<name>` or the number of a lock-up or shift;
         `limits` (as rows, with relation, limit, pass); `verdict`.
     """
-    phases = load_phases(results, run)
+    whole = whole and limits.on_whole(run)
+    phases = None if whole else load_phases(results, run)
     modules = (estimation, timing, tracking, shift, handover)
     rows = [row.as_dict() for module in modules for row in module.rows(results, phases)]
     judged = limits.judge(run, rows)
     return {
-        "phases": [asdict(phase) for phase in phases], "rows": rows, "limits": judged,
+        "phases": [asdict(phase) for phase in phases or ()], "rows": rows, "limits": judged,
         "verdict": limits.verdict(run, judged),
     }  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 from ..results import Results
 from . import registry
 from .rows import Row, rms
-from .scopes import Phase, phase_masks, state_masks
+from .scopes import Phase, masks
 
 TORQUES = {"clutch1.torque": "T_c1", "clutch2.torque": "T_c2", "driveShaft.torque": "T_o"}
 OBSERVER, MAP = "observer", "mapBased"
@@ -33,15 +33,14 @@ def _tells(results: Results, prefix: str) -> bool:
     return any(prefix + torque in results for torque in TORQUES)
 
 
-def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
+def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     """Yield the estimation KPIs of every torque, estimate and scope that the run has."""
     known = estimates(results)
     for torque in TORQUES:
         if f"plant.{torque}" not in results:
             continue
         found = {e: results[p + torque] for e, p in known.items() if p + torque in results}
-        scopes = phase_masks(results.time, phases) | state_masks(results, torque)
-        for scope, mask in scopes.items():
+        for scope, mask in masks(results, torque, phases).items():
             yield from _scope(results[f"plant.{torque}"], found, torque, scope, mask)
 
 

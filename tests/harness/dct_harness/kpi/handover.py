@@ -53,7 +53,7 @@ def shifts(results: Results) -> list[Shift]:
     ]  # fmt: skip
 
 
-def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
+def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     """Yield the KPIs of every shift; phases of the scenario play no part."""
     del phases
     for count, shift in enumerate(shifts(results), 1):

@@ -27,6 +27,12 @@ def judge(run: dict[str, Any], rows: list[dict[str, Any]]) -> list[dict[str, Any
     ]
 
 
+def on_whole(run: dict[str, Any]) -> bool:
+    """Return whether every limit is on the scenario as a whole."""
+    given = run.get("system", {}).get("kpis", [])
+    return all(limit.get("scope", SCENARIO) == SCENARIO for limit in given)
+
+
 def _paired(rows: list[dict[str, Any]]) -> bool:
     return any(row["kpi"] == registry.FEEDBACK_RATIO.key for row in rows)
 

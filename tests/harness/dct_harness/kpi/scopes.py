@@ -87,6 +87,16 @@ def phase_masks(time: np.ndarray, phases: list[Phase]) -> dict[str, np.ndarray]:
     return masks
 
 
+def masks(results: Results, torque: str, phases: list[Phase] | None) -> dict[str, np.ndarray]:
+    """Return scope name -> samples of a torque: the scenario, its phases, the clutch's states.
+
+    `phases` None: the scenario alone.
+    """
+    if phases is None:
+        return phase_masks(results.time, [])
+    return phase_masks(results.time, phases) | state_masks(results, torque)
+
+
 def clutch_state(results: Results, clutch: str) -> np.ndarray | None:
     """Return the plant's state of a clutch, shape (n,), or None if the plant does not tell."""
     name = f"plant.{clutch}.state"

@@ -13,9 +13,9 @@ from .rows import Row, rms
 from .scopes import CLUTCHES, Phase, clutch_state, phase_masks
 
 
-def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
+def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     """Yield the shift-quality KPIs that the plant's outputs allow."""
-    scopes = phase_masks(results.time, phases)
+    scopes = phase_masks(results.time, phases or [])
     filtered = jerk(results)
     if filtered is not None:
         for scope, mask in scopes.items():

@@ -11,10 +11,10 @@ from ..results import Results
 from . import registry
 from .estimation import MAP, TORQUES, estimates
 from .rows import Row, rms
-from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, phase_masks, state_masks
+from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, masks
 
 
-def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
+def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     """Yield latency per scope and settling time per event of every torque the observer tells."""
     moments = events(results)
     observers = {e: p for e, p in estimates(results).items() if e != MAP}
@@ -22,7 +22,7 @@ def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
         if f"plant.{torque}" not in results:
             continue
         truth = results[f"plant.{torque}"]
-        scopes = phase_masks(results.time, phases) | state_masks(results, torque)
+        scopes = masks(results, torque, phases)
         for name, prefix in observers.items():
             if prefix + torque in results:
                 told = Told(torque, name, results[prefix + torque])

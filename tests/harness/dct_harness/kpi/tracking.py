@@ -24,13 +24,13 @@ def error(results: Results, clutch: str) -> np.ndarray | None:
     return np.where(state == 2, np.abs(results[torque]) - results[request], np.nan)
 
 
-def rows(results: Results, phases: list[Phase]) -> Iterator[Row]:
+def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     """Yield the tracking error per clutch and of both together, per phase."""
     errors = {c: e for c in CLUTCHES if (e := error(results, c)) is not None}
     if len(errors) > 1:
         errors[BOTH] = np.stack(list(errors.values()), axis=1)
     for signal, values in errors.items():
-        for scope, mask in phase_masks(results.time, phases).items():
+        for scope, mask in phase_masks(results.time, phases or []).items():
             inside = values[mask]
             inside = inside[np.isfinite(inside)]
             if inside.size:
