@@ -63,6 +63,76 @@ const DEFECTS: &[(&str, &str)] = &[
         "NO_STRING_STATUS",
         "Lag.so does not export fmi2GetStringStatus",
     ),
+    ("CRASH_STEP", "crashed with signal 6 (abort) in fmi2DoStep"),
+    ("STEP_REFUSED", "fmi2DoStep returns fmi2Status 3"),
+    ("RESET_KEEPS", "after fmi2Reset, step 1 of 0.01 s: y is"),
+    (
+        "SHARED_STATE",
+        "while another instance runs, step 2 of 0.01 s: y is",
+    ),
+    (
+        "CLOCK",
+        "in a second run, with a new instance, step 1 of 0.01 s: y is",
+    ),
+    ("ONLY_ONE", "a second instance is refused"),
+    (
+        "NOT_A_NUMBER",
+        "y becomes NaN though fmi2DoStep returns fmi2OK",
+    ),
+    ("STATE_FORGETS", "after fmi2SetFMUstate: y is"),
+    (
+        "BYTES_FORGET",
+        "after fmi2SetFMUstate of a serialised state in a new instance: y is 0.0",
+    ),
+    (
+        "BYTES_OVERFLOW",
+        "fmi2SerializeFMUstate writes more than fmi2SerializedFMUstateSize tells",
+    ),
+    (
+        "FEEDS_THROUGH",
+        "y changes at once with u, which is not among its dependencies",
+    ),
+    ("SET_FORGETS", "u was set to 1.01, then it is 1.0"),
+    ("SET_REFUSES_START", "T refuses its own start value 0.5"),
+    (
+        "NO_CATEGORIES",
+        "fmi2SetDebugLogging refuses the log category logAll",
+    ),
+    ("IMPORTERS_MEMORY", "without them there is no instance"),
+    (
+        "CANCELS_NOTHING",
+        "fmi2CancelStep returns fmi2OK though no step is being computed",
+    ),
+    (
+        "CRASH_CANCEL",
+        "crashed with signal 6 (abort) in fmi2CancelStep",
+    ),
+    (
+        "WRONG_DIRECTIONAL",
+        "the directional derivative of z by u is 2.02 after a step",
+    ),
+    (
+        "NO_DIRECTIONAL",
+        "fmi2GetDirectionalDerivative returns fmi2Status 3",
+    ),
+    ("SLOPES_IGNORED", "the slope of u changes nothing"),
+    (
+        "NO_SLOPES",
+        "fmi2SetRealInputDerivatives returns fmi2Status 3",
+    ),
+    (
+        "WRONG_RATES",
+        "y does not move as fmi2GetRealOutputDerivatives says",
+    ),
+    (
+        "NO_RATES",
+        "fmi2GetRealOutputDerivatives returns fmi2Status 3",
+    ),
+    ("FIXED_STEP", "fmi2DoStep returns fmi2Status 3"),
+    (
+        "OWN_STEP",
+        "a step of half the size gets as far as a whole one",
+    ),
 ];
 
 /// An option of the linker that the loader sees, for one of the defects.

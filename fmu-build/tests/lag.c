@@ -114,7 +114,7 @@ EXPORT Status fmi2GetReal(Component c, const Ref refs[], size_t count, double va
         else if (refs[i] == 3) values[i] = lag->x + 2 * lag->u;
         else return ERROR;
 #ifdef NOT_A_NUMBER
-        if (refs[i] == 2 && lag->steps == 7) values[i] = 0.0 / (lag->n - 3);
+        if (refs[i] == 2 && lag->steps == 7) values[i] = 0.0 / (lag->n - lag->n);
 #endif
     }
     return OK;
