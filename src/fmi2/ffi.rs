@@ -53,8 +53,8 @@ pub struct Callbacks {
 pub struct Library<M: Model> {
     instances: Table<Component<M>>,
     states: Table<Saved<M>>,
-    /// Hash that is the GUID, made once.
-    guid: OnceLock<u128>,
+    /// Hash that is the GUID, and how it is written; made once.
+    guid: OnceLock<(u128, guid::Text)>,
 }
 
 /// What a `fmi2Component` stands for.
@@ -165,7 +165,14 @@ impl<M: Model> Library<M> {
 
     /// The number behind the GUID, which is also in every serialised state.
     fn table_hash(&self) -> u128 {
-        *self.guid.get_or_init(guid::table_hash::<M>)
+        self.guid().0
+    }
+
+    fn guid(&self) -> &(u128, guid::Text) {
+        self.guid.get_or_init(|| {
+            let hash = guid::table_hash::<M>();
+            (hash, guid::text(hash))
+        })
     }
 
     /// The way into an instance for every function.
@@ -272,8 +279,8 @@ impl<M: Model> Library<M> {
         let made = catch_unwind(AssertUnwindSafe(|| {
             // SAFETY: the importer's promise.
             let (guid, mut reporter) = unsafe { (text(guid), Reporter::new(name, callbacks)) };
-            let hash = self.table_hash();
-            if let Err(error) = request::check(&reporter.name, kind, guid, hash) {
+            let (_, own) = self.guid();
+            if let Err(error) = request::check(&reporter.name, kind, guid, own) {
                 reporter.send(Category::Error, format_args!("fmi2Instantiate: {error}"));
                 return null_mut();
             }

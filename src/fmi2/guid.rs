@@ -8,21 +8,29 @@ use core::fmt::Write;
 /// GUID of model `M`, as in `modelDescription.xml`: `{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}`.
 #[must_use]
 pub fn guid<M: Model>() -> String {
-    text(table_hash::<M>())
+    text(table_hash::<M>()).map(char::from).iter().collect()
 }
 
+/// How a GUID is written; each x is a digit.
+const LAYOUT: Text = *b"{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}";
+
+/// The characters of a GUID.
+pub(crate) type Text = [u8; 38];
+
 /// The GUID that [`table_hash`] makes.
-pub(crate) fn text(hash: u128) -> String {
-    let digits = format!("{hash:032x}");
-    let mut text = String::from("{");
-    for (index, digit) in digits.chars().enumerate() {
-        if matches!(index, 8 | 12 | 16 | 20) {
-            text.push('-');
+pub(crate) fn text(hash: u128) -> Text {
+    let mut rest = hash;
+    LAYOUT.map(|place| {
+        if place != b'x' {
+            return place;
         }
-        text.push(digit);
-    }
-    text.push('}');
-    text
+        rest = rest.rotate_left(4);
+        let [digit, ..] = rest.to_le_bytes();
+        match digit % 16 {
+            digit @ 0..10 => b'0' + digit,
+            digit => b'a' + digit - 10,
+        }
+    })
 }
 
 /// The GUID as a number.

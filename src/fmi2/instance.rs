@@ -289,6 +289,10 @@ impl<M: Model> Instance<M> {
                     .model
                     .initialize(start, log)
                     .map_err(|failure| self.fail(failure))?;
+                if M::STEPS_STAY_FINITE {
+                    self.now.stale = false;
+                    return Ok(());
+                }
             }
             State::StepComplete | State::Terminated => self.now.model.update_outputs(),
         }

@@ -24,8 +24,8 @@ pub trait Model: Clone + Default + Send + 'static {
     /// `DefaultExperiment` of the model description.
     const EXPERIMENT: Experiment;
 
-    /// Whether `step` fails by itself rather than leave an output that is not finite. Else the shell
-    /// looks at every output after every step.
+    /// Whether `initialize` and `step` fail by themselves rather than leave an output that is not finite.
+    /// Else the shell looks at every output after each of them.
     const STEPS_STAY_FINITE: bool = false;
 
     /// Computes the initial state and outputs from parameters, inputs and start values.

@@ -6,12 +6,12 @@ use core::ffi::{CStr, c_int};
 /// `fmi2CoSimulation` of `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
 
-/// Checks name, kind and GUID of an instance to be made; `hash` is that of the library's own GUID.
+/// Checks name, kind and GUID of an instance to be made; `own` is the library's GUID.
 pub(crate) fn check(
     name: &CStr,
     kind: c_int,
     guid: Option<&CStr>,
-    hash: u128,
+    own: &guid::Text,
 ) -> Result<(), Error> {
     if name.is_empty() {
         return Err(Error::Instantiate("instanceName is NULL or empty"));
@@ -22,7 +22,7 @@ pub(crate) fn check(
         ));
     }
     let given = guid.ok_or(Error::Instantiate("fmuGUID is NULL"))?;
-    if given.to_bytes() == guid::text(hash).as_bytes() {
+    if given.to_bytes() == own {
         Ok(())
     } else {
         Err(Error::Guid)
@@ -35,20 +35,22 @@ mod tests {
 
     #[test]
     fn the_one_request_that_is_for_this_fmu_is_accepted() {
-        let own = c"{00000000-0000-0000-0000-00000000002a}";
+        let (own, text) = (c"{00000000-0000-0000-0000-00000000002a}", guid::text(42));
         let refused = [
             (c"", 1, Some(own)),
             (c"a", 0, Some(own)),
             (c"a", 1, None),
             (c"a", 1, Some(c"{00000000-0000-0000-0000-00000000002b}")),
+            (c"a", 1, Some(c"{00000000-0000-0000-0000-0000000000002a}")),
+            (c"a", 1, Some(c"{00000000-0000-0000-0000-00000000002A}")),
             (c"a", 1, Some(c"")),
         ];
         for (name, kind, guid) in refused {
             assert!(
-                check(name, kind, guid, 42).is_err(),
+                check(name, kind, guid, &text).is_err(),
                 "{name:?} {kind} {guid:?}"
             );
         }
-        assert_eq!(check(c"a", 1, Some(own), 42), Ok(()));
+        assert_eq!(check(c"a", 1, Some(own), &text), Ok(()));
     }
 }

@@ -275,7 +275,7 @@ impl Model for Plant {
         self.find_propagators();
         self.jerk_filter = JerkFilter::at(v);
         self.read_outputs(&input);
-        Ok(())
+        self.check_finite(time)
     }
 
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {

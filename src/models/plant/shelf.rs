@@ -76,8 +76,8 @@ impl User {
         let mut shelf = lock();
         shelf.clock += 1;
         let now = shelf.clock;
-        let p = driveline(p);
-        let fits = |entry: &&mut Entry| entry.propagators.fits(coupling, h) && entry.p == p;
+        let fits =
+            |entry: &&mut Entry| entry.propagators.fits(coupling, h) && same_driveline(&entry.p, p);
         if let Some(entry) = shelf.entries.iter_mut().find(fits) {
             entry.used = now;
             return Arc::clone(&entry.propagators);
@@ -121,8 +121,8 @@ impl Entry {
     }
 
     /// Turns idle propagators into others.
-    fn built(&mut self, p: Params, coupling: Coupling, h: f64, now: u64) -> Arc<Propagators> {
-        (self.p, self.used) = (p, now);
+    fn built(&mut self, p: &Params, coupling: Coupling, h: f64, now: u64) -> Arc<Propagators> {
+        (self.p, self.used) = (driveline(p), now);
         if let Some(propagators) = Arc::get_mut(&mut self.propagators) {
             propagators.rebuild(&self.p, coupling, h);
         }
@@ -141,6 +141,42 @@ fn driveline(p: &Params) -> Params {
         t_s,
         ..*p
     }
+}
+
+/// Whether two drivelines have the same propagators, whatever their friction and road.
+fn same_driveline(one: &Params, other: &Params) -> bool {
+    let Params {
+        j_e,
+        j_d,
+        k_d,
+        c_d,
+        j_ct,
+        k_t,
+        c_t,
+        i_t,
+        i_r,
+        j_gear,
+        j_r,
+        t_s: _,
+        i_f,
+        j_o,
+        k_o,
+        c_o,
+        j_v,
+        clutch: _,
+        road: _,
+        rigid,
+    } = one;
+    [*j_e, *j_d, *k_d, *c_d, *j_o, *k_o, *c_o, *j_v]
+        == [
+            other.j_e, other.j_d, other.k_d, other.c_d, other.j_o, other.k_o, other.c_o, other.j_v,
+        ]
+        && [*j_ct, *k_t, *c_t, *i_r, *j_r, *i_f]
+            == [
+                other.j_ct, other.k_t, other.c_t, other.i_r, other.j_r, other.i_f,
+            ]
+        && [*i_t, *j_gear] == [other.i_t, other.j_gear]
+        && *rigid == other.rigid
 }
 
 fn lock() -> MutexGuard<'static, Shelf> {
