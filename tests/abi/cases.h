@@ -7,7 +7,8 @@
 typedef void Case(Fmu *fmu, const char *argument);
 
 /* life.c */
-Case every_function, without_logger, cycles, loads, threads, small_stack, untouched, save, resume;
+Case every_function, without_logger, cycles, cycles_beside, loads, threads, small_stack, untouched;
+Case save, resume;
 /* misuse.c */
 Case freed, foreign, called_back, shared, extremes, corrupted, importers, panics, messages,
     overrun;

@@ -106,6 +106,7 @@ static size_t allocated(void)
 #define WARM 300
 #define CACHED 4096
 
+/* The last instance takes what instances share with it: each life begins from nothing. */
 void cycles(Fmu *fmu, const char *argument)
 {
     long count = strtol(argument, NULL, 10);
@@ -116,6 +117,17 @@ void cycles(Fmu *fmu, const char *argument)
     for (long i = 0; i < count; i++)
         live(fmu, 4);
     CHECK(allocated() <= before + CACHED);
+}
+
+/* Beside an instance that keeps what they share. */
+void cycles_beside(Fmu *fmu, const char *argument)
+{
+    fmi2Component c = instantiate(fmu, NULL);
+    start(fmu, c);
+    run(fmu, c, 0, 4);
+    cycles(fmu, argument);
+    run(fmu, c, 4, 8);
+    fmu->FreeInstance(c);
 }
 
 void loads(Fmu *fmu, const char *argument)

@@ -8,6 +8,7 @@ static const struct {
 } CASES[] = {
     {"every_function", every_function}, {"without_logger", without_logger},
     {"cycles", cycles},                 {"loads", loads},
+    {"cycles_beside", cycles_beside},
     {"threads", threads},               {"small_stack", small_stack},
     {"untouched", untouched},           {"save", save},
     {"resume", resume},                 {"freed", freed},
