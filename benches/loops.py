@@ -28,6 +28,7 @@ from measure import ROOT, WORK
 from measure import run as measured
 
 LOOP = ROOT / "examples" / "closed_loop" / "torque_tracking_case1.toml"
+FMUS = ROOT / "target" / "fmu"
 MANY = 20  # runs that are given to threads
 BULK = 3  # runs of the quick engine in one measurement
 NOTHING = 200_000  # steps around two empty FMUs
@@ -69,6 +70,15 @@ class _Planned(NativeRun):
         self.plan = json.dumps(self._plan())
 
 
+def planned(file: Path, step: float, stop: float) -> _Planned:
+    """Return the loop of a system file, ready for the compiled master."""
+    model = system.load(file)
+    model.step, model.stop = step, stop
+    run = _Planned(model, {n: FMUS / c.fmu for n, c in model.components.items()})
+    run.execute()
+    return run
+
+
 class Loops:
     """The loop of one system file, over the first `stop` seconds of its scenario."""
 
@@ -79,7 +89,7 @@ class Loops:
         self.rounds = max(3, rounds // 4)
         self.model = system.load(LOOP)
         self.model.stop = stop
-        self.paths = {n: ROOT / "target/fmu" / c.fmu for n, c in self.model.components.items()}
+        self.paths = {n: FMUS / c.fmu for n, c in self.model.components.items()}
 
     @cached_property
     def steps(self) -> int:
@@ -88,9 +98,7 @@ class Loops:
 
     @cached_property
     def _planned(self) -> _Planned:
-        run = _Planned(self.model, self.paths)
-        run.execute()
-        return run
+        return planned(LOOP, self.model.step, self.model.stop)
 
     def native(self, runs: int, threads: int, points: int | None = None) -> float:
         """Return the CPU time of one run by the compiled master [s], over the first `points`."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -47,3 +48,17 @@ def test_missed_gates_are_named(summary: dict) -> None:
 def test_a_gate_that_repeats_exactly_is_kept(summary: dict, name: str) -> None:
     (gate,) = (gate for gate in summary["gates"] if gate["name"] == name)
     assert gate["passed"], gate
+
+
+def test_growth_measures_two_points_of_every_axis_and_draws_them() -> None:
+    done = subprocess.run([sys.executable, "benches/growth.py", "--quick"], cwd=ROOT, check=False,
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    points = json.loads((ROOT / "target/bench/growth.json").read_text(encoding="utf-8"))
+    axes = Counter(point["axis"] for point in points)
+    assert len(axes) == 6
+    assert all(count >= 2 for count in axes.values())
+    assert all(point["cpu"] > 0 and point["wall"] > 0 for point in points)
+    drawn = (ROOT / "target/bench/growth.svg").read_text(encoding="utf-8")
+    assert "<svg" in drawn
+    assert done.stdout == (ROOT / "target/bench/growth.md").read_text(encoding="utf-8")

@@ -36,6 +36,8 @@ commands:
   bench [--quick]
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing
+  bench growth   cost of the compiled master against runs, step, recorded signals, instances and
+                 threads: table and plot in target/bench, growth.md and growth.svg
   deny           licences, advisories, origin and place of every crate: cargo-deny, deny.toml
   native         the compiled master as a Python module in .venv: dct-harness run --engine native
   fuzz [SECONDS | keep]
@@ -87,6 +89,7 @@ fn command(words: &[&str]) -> Result<(), Failure> {
         ["demo", "--open"] => plan::run(demo::steps(&project, true)),
         ["test"] => plan::run(test::steps(&project)),
         ["bench"] => plan::run(bench::steps(&project, &[])),
+        ["bench", "growth"] => plan::run(bench::growth(&project)),
         ["bench", "--quick"] => plan::run(bench::steps(&project, &["--quick"])),
         ["deny"] => plan::run(deny(&project)),
         ["native"] => plan::run(native(&project)),

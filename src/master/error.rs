@@ -32,6 +32,15 @@ pub enum Error {
         /// What the `fmi` crate said.
         error: Box<fmi::Error>,
     },
+    /// An FMU has no library for this platform.
+    Platform {
+        /// The file.
+        path: PathBuf,
+        /// The library that would be needed.
+        library: String,
+        /// Platforms that it has libraries for.
+        there: Vec<String>,
+    },
     /// A variable that does not exist, or has another type, causality or source than needed.
     Variable {
         /// `component.variable`.
@@ -71,7 +80,7 @@ impl Error {
 
     /// Whether a file is no usable FMU.
     pub fn is_of_an_fmu(&self) -> bool {
-        matches!(self, Self::Load { .. })
+        matches!(self, Self::Load { .. } | Self::Platform { .. })
     }
 
     pub(crate) fn variable(name: impl Into<String>, what: impl Into<String>) -> Self {
@@ -94,6 +103,16 @@ impl fmt::Display for Error {
             } => write!(f, "{}: {what}", path.display()),
             Self::Content { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
             Self::Load { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Platform {
+                path,
+                library,
+                there,
+            } => write!(
+                f,
+                "{}: has no {library}; it has libraries for: {}",
+                path.display(),
+                there.join(", ")
+            ),
             Self::Variable { name, what } => write!(f, "'{name}' {what}"),
             Self::Call {
                 component,
@@ -102,7 +121,8 @@ impl fmt::Display for Error {
                 status,
             } => write!(
                 f,
-                "{component}: {function} at t = {time} s returned {status}"
+                "{component}: {function} at t = {time} s returned {status}; \
+                 `dct-harness run` tells what the FMU says of it"
             ),
             Self::Value {
                 name,

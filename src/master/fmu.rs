@@ -2,12 +2,12 @@
 
 use crate::description::{Causality, Description, Family, Variable};
 use crate::error::Error;
+use crate::package;
 use crate::plan::Value;
 use crate::signals::{Failure, Signals};
 use fmi::fmi2::Fmi2Error;
 use fmi::fmi2::import::Fmi2Import;
 use fmi::fmi2::instance::{CoSimulation, Common, InstanceCS};
-use fmi::traits::FmiImport;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,21 +16,13 @@ use std::sync::Arc;
 pub struct Library {
     import: Fmi2Import,
     description: Description,
+    path: PathBuf,
 }
 
 impl Library {
     /// Unpacks and reads an FMU file.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let load = |error| Error::Load {
-            path: path.to_owned(),
-            error: Box::new(error),
-        };
-        let import: Fmi2Import = fmi::import::from_path(path).map_err(load)?;
-        let file = import.archive_path().join("modelDescription.xml");
-        let xml = std::fs::read_to_string(file).map_err(|error| Error::File {
-            path: path.to_owned(),
-            error,
-        })?;
+        let (import, xml) = package::open(path)?;
         let description = Description::parse(&xml).map_err(|what| Error::Content {
             path: path.to_owned(),
             line: 0,
@@ -39,6 +31,7 @@ impl Library {
         Ok(Self {
             import,
             description,
+            path: path.to_owned(),
         })
     }
 
@@ -85,11 +78,17 @@ impl Fmu {
         outputs: &[&Variable],
     ) -> Result<Self, Error> {
         let instance = library.import.instantiate_cs(name, false, false);
-        let instance = instance.map_err(|_| Error::Call {
-            component: name.to_owned(),
-            function: "fmi2Instantiate",
-            time: 0.0,
-            status: Fmi2Error::Error,
+        let instance = instance.map_err(|error| match error {
+            fmi::Error::Instantiation => Error::Call {
+                component: name.to_owned(),
+                function: "fmi2Instantiate",
+                time: 0.0,
+                status: Fmi2Error::Error,
+            },
+            error => Error::Load {
+                path: library.path.clone(),
+                error: Box::new(error),
+            },
         })?;
         Ok(Self {
             inputs: Signals::new(inputs.iter().copied()),
@@ -148,9 +147,10 @@ impl Fmu {
         done.map_err(|failure| self.failed(failure))
     }
 
-    /// Advances from `time` by `step` [s].
-    pub fn step(&mut self, time: f64, step: f64) -> Result<(), Error> {
+    /// Sets the inputs in use and advances from `time` by `step` [s].
+    pub fn step(&mut self, inputs: &[f64], time: f64, step: f64) -> Result<(), Error> {
         self.time = time;
+        self.set_inputs(inputs)?;
         let done = self.instance.do_step(time, step, true);
         self.checked("fmi2DoStep", done)
     }

@@ -39,11 +39,13 @@
 //!   `signals` keeps references and values side by side;
 //! - its description of an Enumeration has no items, and one of a Real no unit, minimum or
 //!   maximum: [`description`] reads the file itself;
+//! - `import::from_path` unpacks everything: `package` unpacks what a run needs;
 //! - its logger drops `fmi2Discard` to trace level and reads a null category: logging stays off.
 
 pub mod description;
 mod error;
 mod fmu;
+mod package;
 mod parallel;
 pub mod plan;
 mod run;

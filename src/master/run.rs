@@ -53,9 +53,8 @@ impl Part {
     fn step(&mut self, world: &mut [f64], time: f64, step: f64) -> Result<(), Error> {
         let parts = f64::from(self.substeps);
         for k in 0..self.substeps {
-            self.set_inputs()?;
             let begin = time + f64::from(k) * step / parts;
-            self.fmu.step(begin, step / parts)?;
+            self.fmu.step(&self.gather.values, begin, step / parts)?;
         }
         self.get_outputs(world)
     }
@@ -69,10 +68,11 @@ impl Run {
         let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
         let read = world::outputs(plan, &descriptions)?;
         let all = world::names(plan, &read);
+        let places = world::index(&all);
         let mut parts = vec![];
         let mut first = plan.script.len();
         for ((component, library), outputs) in plan.components.iter().zip(&opened).zip(&read) {
-            let (gather, inputs) = Gather::new(component, library.description(), &all)?;
+            let (gather, inputs) = Gather::new(component, library.description(), &places)?;
             let fmu = Fmu::new(&component.name, library.clone(), &inputs, outputs)?;
             let outputs = first..first + fmu.outputs();
             first = outputs.end;
@@ -174,7 +174,7 @@ impl Run {
 
     fn settle(&mut self) -> Result<(), Error> {
         let mut changing = None;
-        for sweep in 0..self.parts.len() + SWEEPS {
+        for _ in 0..self.parts.len() + SWEEPS {
             let before = self.world.clone();
             let Self { parts, world, .. } = self;
             for part in parts.iter_mut() {
@@ -187,7 +187,7 @@ impl Run {
                 .iter()
                 .zip(&before)
                 .position(|(now, old)| moved(*now, *old));
-            if changing.is_none() && sweep + 1 >= self.parts.len() {
+            if changing.is_none() {
                 return Ok(());
             }
         }

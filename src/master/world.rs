@@ -57,10 +57,19 @@ pub fn names(plan: &Plan, outputs: &[Vec<&Variable>]) -> Vec<String> {
     scripted(plan).chain(outputs).collect()
 }
 
+/// Where each name stands.
+pub fn index(names: &[String]) -> HashMap<&str, usize> {
+    let places = names.iter().enumerate();
+    places.map(|(k, name)| (name.as_str(), k)).collect()
+}
+
 /// Where recorded signals lie among `names`; `None` for all.
 pub fn places(names: &[String], record: Option<&[String]>) -> Option<Vec<usize>> {
-    let place = |wanted: &String| names.iter().position(|name| name == wanted);
-    record.map(|record| record.iter().filter_map(place).collect())
+    record.map(|record| {
+        let places = index(names);
+        let place = |name: &String| places.get(name.as_str()).copied();
+        record.iter().filter_map(place).collect()
+    })
 }
 
 fn scripted(plan: &Plan) -> impl Iterator<Item = String> {
@@ -92,13 +101,8 @@ impl Gather {
     pub fn new<'a>(
         component: &Component,
         description: &'a Description,
-        names: &[String],
+        places: &HashMap<&str, usize>,
     ) -> Result<(Self, Vec<&'a Variable>), Error> {
-        let places: HashMap<&str, usize> = names
-            .iter()
-            .enumerate()
-            .map(|(k, name)| (name.as_str(), k))
-            .collect();
         let mut found = Vec::with_capacity(component.inputs.len());
         for input in &component.inputs {
             let name = format!("{}.{}", component.name, input.name);

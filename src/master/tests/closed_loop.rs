@@ -284,16 +284,17 @@ fn recorded_signals_are_those_of_a_run_that_keeps_all() {
     }
 }
 
-/// Rows of three runs that differ in the vehicle's mass, made by so many threads.
-fn rows(threads: usize) -> Vec<Vec<f64>> {
+/// Rows of so many runs that differ in the vehicle's mass, made by so many threads.
+fn rows(runs: usize, stop: f64, threads: usize) -> Vec<Vec<f64>> {
     let mut libraries = Libraries::default();
     let mut system = System::load(&shipped("paper_case1.toml")).unwrap();
-    system.stop = 2.0;
+    system.stop = stop;
     let times = system.times().unwrap();
     let scenario = Scenario::load(&system.scenario).unwrap();
     let fmus = root().join("target/fmu");
     let mut jobs = vec![];
-    for mass in [1400.0, 1500.0, 1600.0] {
+    for k in 0..runs {
+        let mass = 1400.0 + 100.0 * f64::from(u32::try_from(k).unwrap());
         let mass = cosim_master::plan::Value::Number(mass);
         system.set("plant", "vehicle.mass", mass).unwrap();
         jobs.push(system.plan(&fmus, &scenario, &mut libraries).unwrap());
@@ -318,8 +319,19 @@ fn rows(threads: usize) -> Vec<Vec<f64>> {
 
 #[test]
 fn threads_change_no_bit() {
-    let (one, four) = (rows(1), rows(4));
+    let (one, four) = (rows(3, 2.0, 1), rows(3, 2.0, 4));
     assert!(one == four, "rows differ");
     assert!(one[0] != one[1], "the mass has no effect");
     assert!(one.iter().all(|rows| rows.len() > 2_000 * 50));
+}
+
+/// 64 threads hold 192 instances at once, of three libraries that each is loaded once.
+#[test]
+fn sixty_four_threads_change_no_bit() {
+    let (one, many) = (rows(64, 1.0, 1), rows(64, 1.0, 64));
+    assert!(one == many, "rows differ");
+    assert!(
+        one.windows(2).all(|pair| pair[0] != pair[1]),
+        "all runs are one"
+    );
 }

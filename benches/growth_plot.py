@@ -1,0 +1,82 @@
+"""Table and plot of what `growth.py` measured."""
+
+from __future__ import annotations
+
+import os
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+Told = list[dict[str, Any]]
+MIB = 2.0**20
+# Of each axis: what a unit of work is, and how the time of one reads.
+UNITS = {
+    "runs": ("run", "ms", 1e3),
+    "steps per second": ("step", "us", 1e6),
+    "recorded signals": ("step", "us", 1e6),
+    "instances": ("instance, 100 steps", "us", 1e6),
+    "instances, own parameters": ("instance, 100 steps", "us", 1e6),
+    "threads": ("run", "ms", 1e3),
+}
+COLOURS = {"cpu": "#3266ad", "wall": "#b34700", "memory": "#3d8c40"}
+SIZE = (11.0, 11.5)  # inches
+
+
+def _axes(points: Told) -> list[tuple[str, Told]]:
+    return [(axis, list(of)) for axis, of in groupby(points, key=lambda point: point["axis"])]
+
+
+def table(points: Told) -> str:
+    """Return a Markdown table: whole cost, and cost of one unit."""
+    lines = [
+        "| axis | size | CPU time | time | CPU time of one | memory |",
+        "|---|--:|--:|--:|--:|--:|",
+    ]
+    for point in points:
+        what, unit, factor = UNITS[point["axis"]]
+        one = f"{point['cpu'] / point['units'] * factor:.3g} {unit} per {what}"
+        memory = f"{point['memory'] / MIB:.3g} MiB"
+        lines.append(f"| {point['axis']} | {point['size']:,g} | {point['cpu']:.3g} s "
+                     f"| {point['wall']:.3g} s | {one} | {memory} |")  # fmt: skip
+    return "\n".join(lines) + "\n"
+
+
+def _panel(axes: Any, axis: str, points: Told) -> None:
+    what, unit, factor = UNITS[axis]
+    sizes = [point["size"] for point in points]
+    for key, label in (("cpu", "CPU time"), ("wall", "time")):
+        values = [point[key] / point["units"] * factor for point in points]
+        axes.plot(sizes, values, "o-", color=COLOURS[key], label=label, markersize=4)
+    axes.set_ylim(bottom=0.0)
+    if axis == "recorded signals":
+        axes.set_xlabel(axis)
+    else:
+        axes.set_xscale("log")
+        axes.set_xlabel(axis)
+    axes.set_ylabel(f"{unit} per {what}")
+    axes.grid(alpha=0.3)
+    beside = axes.twinx()
+    memory = [point["memory"] / MIB for point in points]
+    beside.plot(sizes, memory, "s--", color=COLOURS["memory"], markersize=4)
+    beside.set_ylabel("memory [MiB]", color=COLOURS["memory"])
+    beside.set_ylim(bottom=0.0)
+
+
+def draw(points: Told, out: Path) -> None:
+    """Draw a panel per axis: time of a unit of work, which is level where cost is linear."""
+    mpl.rcParams.update({"svg.hashsalt": "growth", "font.size": 9})
+    figure = Figure(figsize=SIZE, layout="constrained")
+    panels = figure.subplots(3, 2)
+    for axes, (axis, of) in zip(panels.flat, _axes(points), strict=True):
+        _panel(axes, axis, of)
+        axes.set_title(axis)
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    handles.append(mpl.lines.Line2D([], [], color=COLOURS["memory"], linestyle="--", marker="s"))
+    labels.append("memory, in all")
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    part = out.with_suffix(".part")
+    figure.savefig(part, format="svg", metadata={"Date": None})
+    os.replace(part, out)
