@@ -130,7 +130,7 @@ def main() -> int:
     points = list(Growth(parser.parse_args().quick).all())
     told = [asdict(point) for point in points]
     text = table(told)
-    print(text)
+    print(text, end="")
     out = {"growth.md": text, "growth.json": json.dumps(told, indent=1) + "\n"}
     for name, content in out.items():
         (WORK / name).write_text(content, encoding="utf-8")

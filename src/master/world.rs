@@ -38,8 +38,8 @@ pub fn outputs<'a>(
         .components
         .iter()
         .flat_map(|component| &component.inputs);
-    let read = inputs.map(|input| &input.source);
-    let wanted: HashSet<&String> = read.chain(record).collect();
+    let read = inputs.flat_map(|input| [Some(&input.source), input.noise.as_ref()]);
+    let wanted: HashSet<&String> = read.flatten().chain(record).collect();
     let chosen = all.into_iter().map(|(name, mut outputs)| {
         outputs.retain(|variable| wanted.contains(&full(name, variable)));
         outputs
@@ -126,7 +126,7 @@ impl Gather {
         let mut gather = Self::default();
         for (place, (_, input, source)) in found.iter().enumerate() {
             gather.push(component, place, input, *source);
-            gather.add_noise(component, place, input, &places)?;
+            gather.add_noise(component, place, input, places)?;
         }
         Ok((
             gather,
