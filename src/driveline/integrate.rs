@@ -45,6 +45,7 @@ use crate::coupling::Coupling;
 use crate::plant_matrices::Systems;
 pub use crate::rung::{Motion, Rung, Start};
 use crate::rung_builder::{Builder, active};
+use crate::rung_watch::Watch;
 use nalgebra::SMatrix;
 
 /// Levels of the ladder below a whole step: events are located to h/4^LADDER.
@@ -82,6 +83,8 @@ pub struct Propagators {
     pub systems: Systems,
     /// By engaged clutches (none, 1, 2, both), then by level: level k spans 4^k ticks.
     rungs: [[Rung; LADDER + 1]; 4],
+    /// By engaged clutches: what watches both over the longest rung.
+    watches: [[Watch; 2]; 4],
 }
 
 impl Propagators {
@@ -90,6 +93,7 @@ impl Propagators {
         h: 0.0,
         systems: Systems::EMPTY,
         rungs: [[Rung::ZERO; LADDER + 1]; 4],
+        watches: [[Watch::BLIND; 2]; 4],
     };
 
     /// Propagators of a driveline for a communication step.
@@ -110,6 +114,9 @@ impl Propagators {
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
             if self.systems.coupling.engageable(set) == set {
                 fill_ladder(rungs, &self.systems, set, self.h);
+                let rows = &self.systems.by_stuck[set].rows;
+                self.watches[set] =
+                    [0, 1].map(|i| Watch::new(&rungs[LADDER], rows, i, set >> i & 1 == 1));
             }
         }
     }
@@ -128,6 +135,13 @@ impl Propagators {
     /// being synchronised.
     pub fn rung(&self, stuck: usize, level: usize) -> &Rung {
         &self.rungs[stuck & 3][level.min(LADDER)]
+    }
+}
+
+impl Propagators {
+    /// The rung of the whole step, and what watches both clutches over it.
+    pub(crate) fn longest(&self, stuck: usize) -> (&Rung, &[Watch; 2]) {
+        (&self.rungs[stuck & 3][LADDER], &self.watches[stuck & 3])
     }
 }
 
@@ -181,7 +195,7 @@ mod tests {
         for set in 0..4_usize {
             let rung = propagators.rung(set, 0);
             let start = rung.start(&x, &v, &v_dot);
-            let slope = (rung.motion(&start).end(&start) - x) / rung.t;
+            let slope = (rung.motion(&start).end(&x) - x) / rung.t;
             let x_dot = propagators.systems.by_stuck[set].derivative(&x, &v);
             assert!((slope - x_dot).amax() < 1e-3 * x_dot.amax(), "{set}");
         }
@@ -201,7 +215,7 @@ mod tests {
             let motion = rung.motion(&start);
             work += rung.work(&start, &motion);
             loss += rung.viscous_loss(&start);
-            (x, v) = (motion.end(&start), v + rung.t * v_dot);
+            (x, v) = (motion.end(&x), v + rung.t * v_dot);
         }
         (x, work, loss)
     }
@@ -236,12 +250,12 @@ mod tests {
         let (x, v, v_dot) = start();
         let mut start = rung.start(&x, &v, &v_dot);
         let mut motion = rung.motion(&start);
-        let before = motion.wheel_speed(&start);
-        assert!((before - motion.end(&start)[W]).abs() < 1e-12);
+        let before = motion.wheel_speed(&x);
+        assert!((before - motion.end(&x)[W]).abs() < 1e-12);
         rung.add_ramp(&mut motion, 3, 1e6);
         start.add_ramp(3, 1e6);
-        assert!((motion.end(&start) - rung.motion(&start).end(&start)).amax() < 1e-9);
-        let change = motion.wheel_speed(&start) - before;
+        assert!((motion.end(&x) - rung.motion(&start).end(&x)).amax() < 1e-9);
+        let change = motion.wheel_speed(&x) - before;
         assert!((change - 1e6 * rung.wheel_speed_by_load_ramp()).abs() < 1e-9 * change.abs());
     }
 
@@ -256,7 +270,7 @@ mod tests {
         let end = |propagators: &Propagators| {
             let rung = propagators.rung(2, 5);
             let start = rung.start(&x, &v, &v_dot);
-            rung.motion(&start).end(&start)
+            rung.motion(&start).end(&x)
         };
         assert_eq!(end(&rebuilt), end(&new));
     }

@@ -31,6 +31,7 @@ mod rung;
 mod rung_builder;
 mod rung_loss;
 mod rung_start;
+mod rung_watch;
 mod shaft;
 pub mod thermal;
 

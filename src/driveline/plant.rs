@@ -292,7 +292,7 @@ impl Plant {
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);
         let grade = self.grade.at(input.phi);
-        let (t_v, _) = input.load_torque(p, grade, self.x[W], self.brake.direction());
+        let (t_v, _) = input.load_torque(p, &grade, self.x[W], self.brake.direction());
         let load = Load::new(
             p,
             self.with_synchronisers(p, Torques::from([input.t_e, 0.0, 0.0, t_v])),
@@ -317,7 +317,8 @@ impl Plant {
     /// Moves to the end of a block and books its work.
     fn accept(&mut self, p: &Params, systems: &Systems, rung: &Rung, block: &Block) {
         let before = self.work.friction;
-        self.book(rung, &block.start, &rung.work(&block.start, &block.motion));
+        self.book(&rung.work(&block.start, &block.motion));
+        self.work.viscous += rung.viscous_loss(&block.start);
         if self.brake.direction() != 0.0 {
             let lost = self.brake.direction() * block.brake_work();
             self.work.load -= lost;

@@ -72,10 +72,15 @@ impl Block {
     ) -> Self {
         let mut block = Self::begin(p, plant, rung, input, rate, [1.0; 2]);
         let direction = plant.brake.direction();
-        let ramp = load_ramp(rung, &block.start, &block.motion, |omega_w| {
-            let grade = block.grade_end;
-            block.input_end.load_torque(p, grade, omega_w, direction)
-        });
+        let ramp = load_ramp(
+            rung,
+            block.start.torque(LOAD),
+            block.motion.wheel_speed(&block.start.x),
+            |omega_w| {
+                let grade = &block.grade_end;
+                block.input_end.load_torque(p, grade, omega_w, direction)
+            },
+        );
         block.add_ramp(rung, LOAD, ramp);
         block
     }
@@ -94,7 +99,7 @@ impl Block {
     ) -> Self {
         let input_end = input.after(rate, rung.t);
         let grade = plant.grade.at(input.phi);
-        let (t_v, _) = input.load_torque(p, grade, plant.x[W], plant.brake.direction());
+        let (t_v, _) = input.load_torque(p, &grade, plant.x[W], plant.brake.direction());
         let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
         let v = plant.with_synchronisers(p, v);
         let v_dot = torques(p, plant.modes, factor, rate.t_e, rate.force, 0.0);
@@ -116,7 +121,7 @@ impl Block {
     pub(crate) fn add_ramp(&mut self, rung: &Rung, q: usize, ramp: f64) {
         rung.add_ramp(&mut self.motion, q, ramp);
         self.start.add_ramp(q, ramp);
-        self.x_end = self.motion.end(&self.start);
+        self.x_end = self.motion.end(&self.start.x);
     }
 
     /// Whether a quick look proves that no guard is crossed; [`Self::events`] looks closely.
@@ -203,7 +208,7 @@ impl Block {
             };
             let grade = self.grade_end.at(input.phi);
             let x_dot = system.derivative(&x, &v);
-            guards[BRAKE] = plant_brake::guards(p, grade, brake, &x, &x_dot, input, &self.rate);
+            guards[BRAKE] = plant_brake::guards(p, &grade, brake, &x, &x_dot, input, &self.rate);
         }
         for i in [0, 1] {
             let force = (
@@ -247,16 +252,10 @@ fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
 
 /// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method.
 ///
+/// `t_v`: T_v at the start [N·m]. `held`: ω_w at the end if T_v stays as it is [rad/s].
 /// `load`: T_v [N·m] and its slope at a wheel speed.
 #[inline(always)]
-pub(crate) fn load_ramp(
-    rung: &Rung,
-    start: &Start,
-    motion: &Motion,
-    load: impl Fn(f64) -> (f64, f64),
-) -> f64 {
-    let t_v = start.torque(LOAD);
-    let held = motion.wheel_speed(start);
+pub(crate) fn load_ramp(rung: &Rung, t_v: f64, held: f64, load: impl Fn(f64) -> (f64, f64)) -> f64 {
     let gain = rung.wheel_speed_by_load_ramp();
     let mut ramp = 0.0;
     for _ in 0..LOAD_ITERATIONS {

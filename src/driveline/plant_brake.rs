@@ -26,7 +26,7 @@ impl Input {
     pub(crate) fn load_torque(
         &self,
         p: &Params,
-        grade: Grade,
+        grade: &Grade,
         omega_w: f64,
         direction: f64,
     ) -> (f64, f64) {
@@ -35,13 +35,13 @@ impl Input {
     }
 
     /// Largest dry friction torque at the wheels [N·m], ≥ 0.
-    fn brake_capacity(&self, p: &Params, grade: Grade) -> f64 {
+    fn brake_capacity(&self, p: &Params, grade: &Grade) -> f64 {
         self.t_brake + p.road.dry_rolling(grade)
     }
 
     /// Rate of [`Self::brake_capacity`] [N·m/s].
-    fn brake_capacity_rate(p: &Params, grade: Grade, rate: &InputRate) -> f64 {
-        let rolling = -p.road.dry_rolling(Grade::LEVEL) * grade.sin * rate.phi;
+    fn brake_capacity_rate(p: &Params, grade: &Grade, rate: &InputRate) -> f64 {
+        let rolling = -p.road.dry_rolling(&Grade::LEVEL) * grade.sin * rate.phi;
         rate.t_brake + rolling
     }
 }
@@ -52,7 +52,7 @@ pub(crate) fn drive_shaft_torque(p: &Params, x: &State) -> f64 {
 }
 
 /// What would set standing wheels in motion [N·m]: T_o − r_w M_v g sin φ.
-fn urge(p: &Params, grade: Grade, x: &State) -> f64 {
+fn urge(p: &Params, grade: &Grade, x: &State) -> f64 {
     drive_shaft_torque(p, x) - p.road.r_w * p.road.weight() * grade.sin
 }
 
@@ -61,7 +61,7 @@ fn urge(p: &Params, grade: Grade, x: &State) -> f64 {
 /// `x_dot`: rate of the state `x`.
 pub(crate) fn guards(
     p: &Params,
-    grade: Grade,
+    grade: &Grade,
     mode: Mode,
     x: &State,
     x_dot: &State,
@@ -103,7 +103,7 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
-        let grade = self.grade.at(input.phi);
+        let grade = &self.grade.at(input.phi);
         let capacity = input.brake_capacity(p, grade);
         let standing =
             self.brake == Mode::Stuck || event.wheel_reached || self.x[W].abs() <= STANDSTILL;

@@ -152,7 +152,7 @@ impl Ramps {
             torque: [0, 1, 2].map(|q| start.torque(FIRST + q)).into(),
             first: [0, 1, 2].map(|q| start.ramp(FIRST + q)).into(),
             added: Vector3::zeros(),
-            speed: block.motion.worked_speeds(start).into(),
+            speed: block.motion.worked_speeds(&start.x).into(),
             gain: Matrix3::from_columns(
                 &[0, 1, 2].map(|q| rung.worked_speeds_by_ramp(FIRST + q).into()),
             ),
@@ -215,7 +215,7 @@ impl Block {
         let (mut ramps, ahead) = (Ramps::new(rung, &block), plant.ahead(p, input, rung.t));
         let settled = ramps.settle(rung.t, |speed| {
             let [one, two] = [0, 1].map(|i| ahead.friction_at(p, i, end.force[i], speed[i]));
-            let load = end.load_torque(p, grade, speed[2], direction);
+            let load = end.load_torque(p, &grade, speed[2], direction);
             [[one.0, two.0, load.0].into(), [one.1, two.1, load.1].into()]
         });
         for (q, ramp) in ramps.added.iter().enumerate() {

@@ -18,14 +18,13 @@ impl Plant {
 
     /// [`Self::outputs`] into their place.
     pub fn write_outputs(&self, p: &Params, systems: &Systems, input: &Input, y: &mut Output) {
-        let x = &self.x;
-        let held = self.brake == Mode::Stuck;
+        let (x, held) = (&self.x, self.brake == Mode::Stuck);
         let t_v = if held {
             drive_shaft_torque(p, x)
         } else {
             let grade = self.grade.at(input.phi);
             let direction = self.brake_direction();
-            input.load_torque(p, grade, x[W], direction).0
+            input.load_torque(p, &grade, x[W], direction).0
         };
         let factor = if p.friction_varies() {
             self.friction_factor(p)
@@ -42,11 +41,10 @@ impl Plant {
         });
         let slip = self.slip();
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
+        if systems.rigid_ratio != [0.0; 2] {
+            t_t = self.rigid_shaft_torques(p, systems, t_c, t_o);
+        }
         for i in [0, 1] {
-            if systems.rigid_ratio[i] != 0.0 {
-                let omega_c_dot = system.rate(C + i, x, &v);
-                t_t[i] = p.i_t(i, self.gear[i]) * (t_c[i] - systems.storage[C + i] * omega_c_dot);
-            }
             if self.synchroniser[i] != Mode::Open {
                 t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
             }
@@ -78,5 +76,31 @@ impl Plant {
             synchroniser_energy: self.work.synchroniser,
             energy_residual: self.energy_residual(systems),
         };
+    }
+    /// T_t1, T_t2 of rigid shafts [N·m], shape (2): from J_out ω̇_o = Σ g_i T_ci − T_o; 0 in neutral.
+    ///
+    /// `t_c`: T_c1, T_c2 [N·m], shape (2).
+    fn rigid_shaft_torques(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        t_c: [f64; 2],
+        t_o: f64,
+    ) -> [f64; 2] {
+        let (g, storage) = (systems.rigid_ratio, &systems.storage);
+        let inertia = |i: usize| g[i] * storage[C + i];
+        let j_out = storage[O] + g[0] * inertia(0) + g[1] * inertia(1);
+        let mut driving = g[0] * t_c[0] + g[1] * t_c[1] - t_o;
+        for i in (0..2).filter(|i| self.synchroniser[*i] != Mode::Open) {
+            driving += systems.synchroniser_ratio[i] * self.synchroniser_torque(p)[i];
+        }
+        let omega_o_dot = driving / j_out;
+        [0, 1].map(|i| {
+            if g[i] == 0.0 {
+                0.0
+            } else {
+                p.i_t(i, self.gear[i]) * (t_c[i] - inertia(i) * omega_o_dot)
+            }
+        })
     }
 }

@@ -30,6 +30,16 @@ pub struct InputRate {
     pub phi: f64,
 }
 
+impl InputRate {
+    /// Whether all inputs are held.
+    #[inline(always)]
+    pub(crate) const fn is_held(&self) -> bool {
+        let [one, two] = self.force;
+        let bits = self.t_e.to_bits() | one.to_bits() | two.to_bits() | self.t_brake.to_bits();
+        (bits | self.phi.to_bits()) << 1 == 0 // but for signs of zeros
+    }
+}
+
 impl Input {
     /// The inputs `t` [s] later; forces and brake do not fall below zero.
     pub fn after(&self, rate: &InputRate, t: f64) -> Self {

@@ -5,17 +5,21 @@
 //! answer, nothing is done and the step is taken there.
 
 use crate::Params;
-use crate::integrate::{LADDER, Propagators, Rung, Start};
+use crate::integrate::{Propagators, Rung};
 use crate::plant::Plant;
 use crate::plant_block::{LOAD, load_ramp, torques};
-use crate::plant_matrices::{
-    C, D, Rows, SPEEDS, STATES, State, Systems, TORQUES, Torques, W, slip,
-};
+use crate::plant_matrices::{C, D, Row, SPEEDS, State, Systems, Torques, W, slip};
 use crate::plant_modes::{Mode, ZERO_SLIP, stuck_set};
 use crate::plant_ports::{Input, InputRate};
+use crate::rung_start::{Entries, RAMPS, TORQUE};
+use crate::rung_watch::Watch;
 
-/// State and torques at one end of the step, in the order of a row.
-type Instant = [f64; STATES + TORQUES];
+/// The ordinary step, from its start to its end.
+struct Quiet<'a> {
+    rung: &'a Rung,
+    z: Entries,
+    x_end: State,
+}
 
 impl Plant {
     /// Takes the step of the propagators, if it is plain that it holds no event; returns whether it did.
@@ -27,78 +31,85 @@ impl Plant {
         input: &Input,
         rate: &InputRate,
     ) -> bool {
-        let plain = self.brake == Mode::Open
-            && self.synchroniser == [Mode::Open; 2]
-            && input.gear == self.gear
-            && input.t_brake <= 0.0
-            && p.road.v_eps > 0.0
-            && *rate == InputRate::default()
-            && !p.friction_varies();
-        if !plain {
+        if !self.is_plain(p, input, rate) {
             return false;
         }
         self.grade = self.grade.at(input.phi);
         let (set, systems) = (stuck_set(self.modes), &propagators.systems);
-        let (rung, rows) = (propagators.rung(set, LADDER), &systems.by_stuck[set].rows);
-        let load = |omega_w| p.road.smooth_load(omega_w, self.grade);
+        let (rung, watches) = propagators.longest(set);
+        let load = |omega_w| p.road.smooth_load(omega_w, &self.grade);
         let (t_v, _) = load(self.x[W]);
         let v = torques(p, self.modes, [1.0; 2], input.t_e, input.force, t_v);
-        let mut start = rung.start(&self.x, &v, &Torques::zeros());
-        let mut motion = rung.motion_held(&start);
-        let ramp = load_ramp(rung, &start, &motion, load);
-        rung.add_ramp(&mut motion, LOAD, ramp);
-        start.add_ramp(LOAD, ramp);
-        let x_end = motion.end(&start);
-        let mut ends = [instant(&self.x, &v), instant(&x_end, &v)];
-        ends[1][STATES + LOAD] += ramp * rung.t;
-        let quiet = self.is_quiet(p, rows, input, 0, &ends, ramp)
-            && self.is_quiet(p, rows, input, 1, &ends, ramp);
+        let mut z = rung.entries(&self.x, &v);
+        let mut motion = rung.motion_held(&self.x, &z);
+        z[RAMPS[LOAD]] = load_ramp(rung, t_v, motion.wheel_speed(&self.x), load);
+        rung.add_ramp(&mut motion, LOAD, z[RAMPS[LOAD]]);
+        let x_end = motion.end(&self.x);
+        let step = Quiet { rung, z, x_end };
+        let quiet = [0, 1]
+            .into_iter()
+            .all(|i| self.is_quiet(p, input, i, &step, &watches[i], systems));
         if quiet {
-            self.book(rung, &start, &rung.work(&start, &motion));
-            self.x = x_end;
+            self.book(&rung.work_held(&self.x, &step.z, &motion));
+            self.work.viscous += rung.viscous_loss_held(&self.x, &step.z);
+            self.x = step.x_end;
             self.hold_ratios(systems.rigid_ratio);
             remove_slip(systems, set, &mut self.x);
+            self.grade.travel(&p.road, self.x[W]);
         }
         quiet
     }
 
+    /// Whether no part but the clutches may have an event, and what acts on them is held.
+    #[inline(always)]
+    fn is_plain(&self, p: &Params, input: &Input, rate: &InputRate) -> bool {
+        self.brake == Mode::Open
+            && self.synchroniser == [Mode::Open; 2]
+            && input.gear == self.gear
+            && input.t_brake <= 0.0
+            && p.road.v_eps > 0.0
+            && rate.is_held()
+            && !p.friction_varies()
+    }
+
     /// Whether clutch `i` plainly stays what it is from one end of the step to the other.
-    ///
-    /// `ramp`: of the load [N·m/s].
     #[inline(always)]
     fn is_quiet(
         &self,
         p: &Params,
-        rows: &Rows,
         input: &Input,
         i: usize,
-        ends: &[Instant; 2],
-        ramp: f64,
+        step: &Quiet,
+        watch: &Watch,
+        systems: &Systems,
     ) -> bool {
-        let pressed = input.force[i] > 0.0;
-        match self.modes[i] {
-            Mode::Open => input.force[i] <= 0.0,
-            Mode::Stuck => {
-                let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n * input.force[i];
-                let ramp = rows.torque[i].of_torque(LOAD, ramp);
-                let rate = |k: usize| rows.torque_rate[i].at(&ends[k]) + ramp;
-                pressed
-                    && rows.torque[i].at(&ends[0]).abs() < reach
-                    && rows.torque[i].at(&ends[1]).abs() < reach
-                    && rate(0) * rate(1) >= 0.0
-            }
-            sliding => {
-                let direction = sliding.direction();
-                let [start, end] = [0, 1].map(|k| direction * (ends[k][D] - ends[k][C + i]));
-                let rate = |k: usize| direction * rows.slip_rate[i].at(&ends[k]);
-                pressed && start > ZERO_SLIP && end >= 0.0 && (rate(0) >= 0.0 || rate(1) <= 0.0)
-            }
+        let (force, clutch, t) = (input.force[i], &p.clutch[i], step.rung.t);
+        if self.modes[i] == Mode::Open {
+            return force <= 0.0;
         }
+        let [start, end, rate] = watch.read(&step.z, step.rung.is_rigid());
+        let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
+        if self.modes[i] == Mode::Stuck {
+            let reach = clutch.mu_s * clutch.r_c_n * force;
+            return force > 0.0
+                && start.abs() < reach
+                && end.abs() < reach
+                && (start.abs() + rate.abs() * t <= reach
+                    || rate * step.rate_at_end(&rows.torque_rate[i], Some(&rows.torque[i]))
+                        >= 0.0);
+        }
+        let direction = self.modes[i].direction();
+        let [slip, slip_end] = [&self.x, &step.x_end].map(|x| direction * (x[D] - x[C + i]));
+        force > 0.0
+            && slip > ZERO_SLIP
+            && slip_end >= 0.0
+            && (slip + direction * rate * t >= 0.0
+                || direction * step.rate_at_end(&rows.slip_rate[i], None) <= 0.0)
     }
 
-    /// Books work and losses over a rung.
+    /// Books the work of the torques.
     #[inline(always)]
-    pub(crate) fn book(&mut self, rung: &Rung, start: &Start, work: &Torques) {
+    pub(crate) fn book(&mut self, work: &Torques) {
         self.work.engine += work[0];
         for i in [0, 1] {
             *if self.synchroniser[i] == Mode::Open {
@@ -108,16 +119,19 @@ impl Plant {
             } += work[1 + i];
         }
         self.work.load += work[3];
-        self.work.viscous += rung.viscous_loss(start);
     }
 }
 
-fn instant(x: &State, v: &Torques) -> Instant {
-    let mut all = [0.0; STATES + TORQUES];
-    let (states, torques) = all.split_at_mut(STATES);
-    states.copy_from_slice(x.as_slice());
-    torques.copy_from_slice(v.as_slice());
-    all
+impl Quiet<'_> {
+    /// What a row that reads a rate reads at the end; `by_ramp`: what reads the part of it from the load's ramp.
+    #[cold]
+    #[inline(never)]
+    fn rate_at_end(&self, row: &Row, by_ramp: Option<&Row>) -> f64 {
+        let (z, ramp) = (&self.z, self.z[RAMPS[LOAD]]);
+        let v = TORQUE.map(|at| z[at]);
+        let v = Torques::from([v[0], v[1], v[2], v[3] + ramp * self.rung.t]);
+        row.of(&self.x_end, &v) + by_ramp.map_or(0.0, |row| row.of_torque(LOAD, ramp))
+    }
 }
 
 /// Removes what round-off left of the slip of engaged clutches; momentum is kept.

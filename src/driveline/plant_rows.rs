@@ -31,16 +31,15 @@ impl Row {
         dot(&self.x, &x.data.0[0]) + self.of_torques(v)
     }
 
-    /// The quantity, from states and torques in one array.
-    #[inline(always)]
-    pub(crate) fn at(&self, instant: &[f64; STATES + TORQUES]) -> f64 {
-        let (x, v) = instant.split_at(STATES);
-        dot(&self.x, x) + dot(&self.v, v)
-    }
-
     /// What the torques alone make of it.
     pub fn of_torques(&self, v: &Torques) -> f64 {
         dot(&self.v, &v.data.0[0])
+    }
+
+    /// What a state makes of it, with a unit of one column of (x, v) added; columns of ramps count nothing.
+    pub(crate) fn of_column(&self, x: &State, column: usize) -> f64 {
+        let unit = self.x.iter().chain(&self.v).nth(column);
+        dot(&self.x, &x.data.0[0]) + unit.copied().unwrap_or(0.0)
     }
 
     /// What torque `q` of T_e, T_c1, T_c2, T_v alone makes of it.

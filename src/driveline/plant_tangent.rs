@@ -139,7 +139,7 @@ impl Plant {
     fn load_change(&self, p: &Params, input: &Input, d_omega_w: f64, du: &InputRate) -> f64 {
         let grade = self.grade.at(input.phi);
         let direction = self.brake_direction();
-        let (_, slope) = input.load_torque(p, grade, self.x[W], direction);
+        let (_, slope) = input.load_torque(p, &grade, self.x[W], direction);
         let rolls = if p.road.v_eps > 0.0 {
             p.road.direction(self.x[W])
         } else {

@@ -26,7 +26,9 @@ use crate::plant_matrices::{
 use crate::rung_builder::Builder;
 use crate::rung_loss::Loss;
 pub use crate::rung_start::Start;
-use crate::rung_start::{CLUTCHES, COLUMNS, CORE, ENTRIES, RAMPS, SHAFTS};
+use crate::rung_start::{
+    CLUTCH_RAMPS, CLUTCHES, COLUMNS, CORE, ENTRIES, Entries, RAMPS, SHAFTS, TORQUE,
+};
 
 /// First row of the angles.
 pub(crate) const ANGLE: usize = STATES;
@@ -38,8 +40,10 @@ pub(crate) const RAMP: usize = STATES + TORQUES;
 
 /// Rows of every step: states but for those of the shafts, angles of ω_e and ω_w, moments of ω_w and ω_e.
 const MAIN: usize = 10;
-/// Those rows among all that are built.
-const MAIN_ROWS: [usize; MAIN] = [
+/// With those of the shafts.
+const ALL: usize = MAIN + 4;
+/// The same among all rows that are built.
+const KEPT: [usize; ALL] = [
     E,
     D,
     O,
@@ -50,44 +54,56 @@ const MAIN_ROWS: [usize; MAIN] = [
     ANGLE + 3,
     MOMENT + 3,
     MOMENT,
+    C,
+    C + 1,
+    TWIST_T,
+    TWIST_T + 1,
 ];
-/// The rows of the shafts.
-const SHAFT_ROWS: [usize; 4] = [C, C + 1, TWIST_T, TWIST_T + 1];
 /// The rows of slipping clutches: angles and moments of the slips.
 const SLIPS: [usize; 4] = [ANGLE + 1, ANGLE + 2, MOMENT + 1, MOMENT + 2];
 
 /// Where a rung leads: change of the state, angles and moments of ω_e and ω_w.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion {
-    main: [f64; MAIN],
-    shafts: [f64; 4],
-}
+pub struct Motion([f64; ALL]);
 
 impl Motion {
-    /// x(t).
+    /// x(t), from x(0).
     #[inline(always)]
-    pub fn end(&self, start: &Start) -> State {
-        let ([e, d, o, w, twist_d, twist_o, ..], [c1, c2, twist_1, twist_2]) =
-            (self.main, self.shafts);
+    pub fn end(&self, x: &State) -> State {
+        let [
+            e,
+            d,
+            o,
+            w,
+            twist_d,
+            twist_o,
+            _,
+            _,
+            _,
+            _,
+            c1,
+            c2,
+            twist_1,
+            twist_2,
+        ] = self.0;
         let change = [e, d, c1, c2, o, w, twist_d, twist_1, twist_2, twist_o];
-        let x = &start.x.data.0[0];
+        let x = &x.data.0[0];
         State::from(core::array::from_fn::<f64, STATES, _>(|i| x[i] + change[i]))
     }
 
-    /// ω_w(t) [rad/s].
-    pub fn wheel_speed(&self, start: &Start) -> f64 {
-        start.x[W] + self.main[3]
+    /// ω_w(t) [rad/s], from x(0).
+    pub fn wheel_speed(&self, x: &State) -> f64 {
+        x[W] + self.0[3]
     }
 
     /// ∫ ω_w dτ [rad] and ∫ τ ω_w dτ [rad·s], shape (2): what a constant torque and a ramp on the wheels work on.
     pub(crate) const fn wheel_angles(&self) -> [f64; 2] {
-        let [.., angle, moment, _] = self.main;
-        [angle, moment]
+        [self.0[7], self.0[8]]
     }
 
     /// Slip 1, slip 2 and ω_w at the end [rad/s], shape (3): what T_c1, T_c2 and T_v work on.
-    pub(crate) fn worked_speeds(&self, start: &Start) -> [f64; 3] {
-        let x = self.end(start);
+    pub(crate) fn worked_speeds(&self, x: &State) -> [f64; 3] {
+        let x = self.end(x);
         [x[D] - x[C], x[D] - x[C + 1], x[W]]
     }
 }
@@ -103,10 +119,8 @@ pub struct Rung {
     synchroniser_ratio: [f64; 2],
     /// Both shafts follow the output rigidly.
     rigid: bool,
-    /// What each entry adds to the rows of every step.
-    main: [[f64; MAIN]; ENTRIES],
-    /// What each entry adds to the states of the shafts.
-    shafts: [[f64; 4]; ENTRIES],
+    /// What each entry adds to the motion.
+    columns: [[f64; ALL]; ENTRIES],
     /// What reads angles and moments of both slips from the entries: rows.
     slips: [[f64; ENTRIES]; 4],
     loss: Loss,
@@ -119,8 +133,7 @@ impl Rung {
         ratio: [0.0; 2],
         synchroniser_ratio: [0.0; 2],
         rigid: false,
-        main: [[0.0; MAIN]; ENTRIES],
-        shafts: [[0.0; 4]; ENTRIES],
+        columns: [[0.0; ALL]; ENTRIES],
         slips: [[0.0; ENTRIES]; 4],
         loss: Loss::ZERO,
     };
@@ -135,8 +148,7 @@ impl Rung {
             .iter()
             .enumerate()
         {
-            self.main[entry] = MAIN_ROWS.map(|row| column[row]);
-            self.shafts[entry] = SHAFT_ROWS.map(|row| column[row]);
+            self.columns[entry] = KEPT.map(|row| column[row]);
             for (to, row) in self.slips.iter_mut().zip(SLIPS) {
                 to[entry] = column[row];
             }
@@ -148,10 +160,9 @@ impl Rung {
     /// Leaves to angles and moments what speeds add to them that change.
     fn take_off_constant_speeds(&mut self) {
         let (angle, moment) = (self.t, 0.5 * self.t * self.t);
-        let [.., angle_e, _, _, moment_e] = &mut self.main[2];
-        (*angle_e, *moment_e) = (*angle_e - angle, *moment_e - moment);
-        let [.., angle_w, moment_w, _] = &mut self.main[3];
-        (*angle_w, *moment_w) = (*angle_w - angle, *moment_w - moment);
+        let [_, _, by_engine, by_wheels, ..] = &mut self.columns;
+        (by_engine[6], by_engine[9]) = (by_engine[6] - angle, by_engine[9] - moment);
+        (by_wheels[7], by_wheels[8]) = (by_wheels[7] - angle, by_wheels[8] - moment);
         for i in [0, 1] {
             let sign = if self.synchroniser_ratio[i] == 0.0 {
                 -1.0
@@ -166,156 +177,169 @@ impl Rung {
     /// A start for [`Self::motion`].
     ///
     /// `x`: state, shape (10). `v`: T_e, T_c1, T_c2, T_v [N·m], shape (4). `v_dot`: their ramps [N·m/s].
-    #[inline(always)]
     pub fn start(&self, x: &State, v: &Torques, v_dot: &Torques) -> Start {
+        let mut entries = self.entries(x, v);
+        for (ramp, value) in RAMPS.into_iter().zip(v_dot) {
+            entries[ramp] = *value;
+        }
+        Start { x: *x, entries }
+    }
+
+    /// The entries of a start whose torques have no ramps.
+    #[inline(always)]
+    pub(crate) fn entries(&self, x: &State, v: &Torques) -> Entries {
+        let (x, v) = (&x.data.0[0], &v.data.0[0]);
         let shaft = |i: usize| x[C + i] - self.ratio[i] * x[O];
-        let entries = [
+        [
             x[TWIST_D],
             x[TWIST_O],
             x[E] - x[D],
             x[W] - x[O],
             v[0],
             v[3],
-            v_dot[3],
-            v_dot[0],
+            0.0,
+            0.0,
+            v[1],
+            v[2],
             x[TWIST_T],
             x[TWIST_T + 1],
             shaft(0),
             shaft(1),
-            v[1],
-            v[2],
-            v_dot[1],
-            v_dot[2],
-        ];
-        Start { x: *x, entries }
+            0.0,
+            0.0,
+        ]
     }
 
     /// Motion from a start; torques of clutches and ramps that are zero cost nothing.
-    #[inline(always)]
     pub fn motion(&self, start: &Start) -> Motion {
-        let mut motion = self.motion_held(start);
-        for entry in [6, 7, 14, 15] {
+        let mut motion = self.motion_held(&start.x, &start.entries);
+        for entry in RAMPS {
             if start.entries[entry] != 0.0 {
-                self.add_entry(&mut motion, entry, start.entries[entry]);
+                add(&mut motion.0, &self.columns[entry], start.entries[entry]);
             }
         }
         motion
     }
 
-    /// Motion from a start as if no torque had a ramp.
-    #[inline(always)]
-    pub(crate) fn motion_held(&self, start: &Start) -> Motion {
-        let (t, z, x) = (self.t, &start.entries, &start.x.data.0[0]);
+    /// Motion from a state and [`Self::entries`], as if no torque had a ramp.
+    #[inline(never)] // a function of its own has registers for it
+    pub(crate) fn motion_held(&self, x: &State, z: &Entries) -> Motion {
+        let (t, x) = (self.t, &x.data.0[0]);
         let angles = [x[E] * t, x[W] * t];
         let moments = [0.5 * t * angles[1], 0.5 * t * angles[0]];
-        let mut motion = Motion {
-            main: [
-                0.0, 0.0, 0.0, 0.0, 0.0, 0.0, angles[0], angles[1], moments[0], moments[1],
-            ],
-            shafts: [0.0; 4],
-        };
+        let mut rows = [0.0; ALL];
+        rows[6..MAIN].copy_from_slice(&[angles[0], angles[1], moments[0], moments[1]]);
         if self.rigid {
-            self.add_core(&mut motion.main, z);
-            let [_, _, o, ..] = motion.main;
-            (motion.shafts[0], motion.shafts[1]) = (self.ratio[0] * o, self.ratio[1] * o);
+            let mut main = [0.0; MAIN];
+            main.copy_from_slice(&rows[..MAIN]);
+            self.add_core(&mut main, z);
+            rows[..MAIN].copy_from_slice(&main);
+            (rows[MAIN], rows[MAIN + 1]) = (self.ratio[0] * main[2], self.ratio[1] * main[2]);
         } else {
-            self.add_core(&mut motion.main, z);
-            self.add_shafts(&mut motion, z);
+            let columns = self.columns[SHAFTS..].iter();
+            for (column, z) in columns.zip(&z[SHAFTS..CLUTCH_RAMPS]) {
+                add(&mut rows, column, *z);
+            }
+            self.add_core(&mut rows, z);
         }
-        for entry in [CLUTCHES, CLUTCHES + 1] {
-            if z[entry] != 0.0 {
-                self.add_entry(&mut motion, entry, z[entry]);
+        Motion(rows)
+    }
+
+    /// Adds what the entries before those of the shafts do, without ramps.
+    #[inline(always)]
+    fn add_core<const N: usize>(&self, rows: &mut [f64; N], z: &Entries) {
+        for (column, z) in self.columns[..CORE].iter().zip(z) {
+            add(rows, column, *z);
+        }
+        for (column, z) in self.columns[CLUTCHES..SHAFTS].iter().zip(&z[CLUTCHES..]) {
+            if *z != 0.0 {
+                add(rows, column, *z);
             }
         }
-        motion
-    }
-
-    /// Adds what the first twists, speeds and torques do. A function of its own has registers for it.
-    #[inline(never)]
-    fn add_core(&self, main: &mut [f64; MAIN], z: &[f64; ENTRIES]) {
-        let mut sum = *main;
-        add_columns(&mut sum, &self.main[..CORE], &z[..CORE]);
-        *main = sum;
-    }
-
-    /// Adds the motion of the shafts, and what they do to the rest.
-    #[inline(never)]
-    fn add_shafts(&self, motion: &mut Motion, z: &[f64; ENTRIES]) {
-        let (mut main, mut shafts) = (motion.main, motion.shafts);
-        add_columns(
-            &mut main,
-            &self.main[SHAFTS..CLUTCHES],
-            &z[SHAFTS..CLUTCHES],
-        );
-        add_columns(
-            &mut shafts,
-            &self.shafts[SHAFTS..CLUTCHES],
-            &z[SHAFTS..CLUTCHES],
-        );
-        add_columns(&mut shafts, &self.shafts[..CORE], &z[..CORE]);
-        (motion.main, motion.shafts) = (main, shafts);
-    }
-
-    #[inline(always)]
-    fn add_entry(&self, motion: &mut Motion, entry: usize, value: f64) {
-        add(&mut motion.main, &self.main[entry], value);
-        add(&mut motion.shafts, &self.shafts[entry], value);
     }
 
     /// Adds what a ramp [N·m/s] of torque `q` of T_e, T_c1, T_c2, T_v does to a motion without it.
-    #[inline(always)]
     pub fn add_ramp(&self, motion: &mut Motion, q: usize, ramp: f64) {
-        self.add_entry(motion, RAMPS[q], ramp);
+        add(&mut motion.0, &self.columns[RAMPS[q]], ramp);
+    }
+
+    /// Change of the state by an entry alone, shape (10).
+    pub(crate) fn change_by(&self, entry: usize) -> State {
+        Motion(self.columns[entry]).end(&State::zeros())
+    }
+
+    /// Whether both shafts follow the output rigidly, so that their entries move nothing.
+    pub(crate) const fn is_rigid(&self) -> bool {
+        self.rigid
     }
 
     /// ∂ω_w(t) / ∂T_v' [s²/(kg·m²)]: effect of the ramp of the load on the wheel speed.
     pub const fn wheel_speed_by_load_ramp(&self) -> f64 {
-        self.main[RAMPS[3]][3]
+        self.columns[RAMPS[3]][3]
     }
 
     /// Effect of the ramp of torque `q` on [`Motion::worked_speeds`] [s²/(kg·m²)], shape (3).
     pub(crate) const fn worked_speeds_by_ramp(&self, q: usize) -> [f64; 3] {
-        let ([_, d, _, w, ..], [c1, c2, ..]) = (self.main[RAMPS[q]], self.shafts[RAMPS[q]]);
+        let [_, d, _, w, .., c1, c2, _, _] = self.columns[RAMPS[q]];
         [d - c1, d - c2, w]
     }
 
     /// Work of T_e, T_c1, T_c2, T_v on ω_e, slip 1, slip 2, ω_w [J], shape (4).
     ///
     /// `motion`: the motion from the start.
-    #[inline(always)]
     pub fn work(&self, start: &Start, motion: &Motion) -> Torques {
-        let [.., angle_e, angle_w, moment_w, moment_e] = motion.main;
+        let (z, mut work) = (
+            &start.entries,
+            self.work_held(&start.x, &start.entries, motion),
+        );
+        work[0] += start.ramp(0) * motion.0[9];
+        for i in [0, 1] {
+            let ramp = start.ramp(1 + i);
+            if ramp != 0.0 {
+                let moment = 0.5 * self.t * self.t * self.worked_speed(&start.x, i);
+                work[1 + i] += ramp * (moment + dot(&self.slips[2 + i], z));
+            }
+        }
+        work
+    }
+
+    /// The same as if no torque but T_v had a ramp.
+    #[inline(always)]
+    pub(crate) fn work_held(&self, x: &State, z: &Entries, motion: &Motion) -> Torques {
+        let [_, _, _, _, _, _, angle_e, angle_w, moment_w, ..] = motion.0;
+        let friction = |i: usize| {
+            let torque = z[CLUTCHES + i];
+            if torque == 0.0 {
+                return 0.0;
+            }
+            torque * (self.worked_speed(x, i) * self.t + dot(&self.slips[i], z))
+        };
         Torques::from([
-            start.torque(0) * angle_e + start.ramp(0) * moment_e,
-            self.friction(start, 0),
-            self.friction(start, 1),
-            start.torque(3) * angle_w + start.ramp(3) * moment_w,
+            z[TORQUE[0]] * angle_e,
+            friction(0),
+            friction(1),
+            z[TORQUE[3]] * angle_w + z[RAMPS[3]] * moment_w,
         ])
     }
 
-    /// Work of T_c1 or T_c2 [J].
+    /// What T_c1 or T_c2 works on [rad/s].
     #[inline(always)]
-    fn friction(&self, start: &Start, i: usize) -> f64 {
-        let (torque, ramp) = (start.torque(1 + i), start.ramp(1 + i));
-        let (t, z, x) = (self.t, &start.entries, &start.x);
-        if torque == 0.0 && ramp == 0.0 {
-            return 0.0;
-        }
-        let speed = match self.synchroniser_ratio[i] {
+    fn worked_speed(&self, x: &State, i: usize) -> f64 {
+        match self.synchroniser_ratio[i] {
             0.0 => x[D] - x[C + i],
             g => x[C + i] - g * x[O],
-        };
-        let work = torque * (speed * t + dot(&self.slips[i], z));
-        if ramp == 0.0 {
-            return work;
         }
-        work + ramp * (0.5 * speed * t * t + dot(&self.slips[2 + i], z))
     }
 
     /// Energy lost in dampers and meshes from a start [J].
-    #[inline(always)]
     pub fn viscous_loss(&self, start: &Start) -> f64 {
         self.loss.of(&start.entries, self.rigid, start.x[O])
+    }
+
+    /// The same as if no torque but T_v had a ramp.
+    #[inline(always)]
+    pub(crate) fn viscous_loss_held(&self, x: &State, z: &Entries) -> f64 {
+        self.loss.of_held(z, self.rigid, x[O])
     }
 }
 
@@ -328,14 +352,6 @@ pub(crate) fn add<const N: usize, const M: usize>(
 ) {
     for (sum, entry) in sum.iter_mut().zip(column) {
         *sum += entry * scale;
-    }
-}
-
-/// `sum` + Σ `scales` · `columns`.
-#[inline(always)]
-fn add_columns<const N: usize>(sum: &mut [f64; N], columns: &[[f64; N]], scales: &[f64]) {
-    for (column, scale) in columns.iter().zip(scales) {
-        add(sum, column, *scale);
     }
 }
 

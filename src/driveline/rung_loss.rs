@@ -1,15 +1,15 @@
 //! The energy lost in the dampers over a rung: a quadratic form of the entries of a start, packed.
 //!
-//! F z needs only the rows up to each column (entries off the diagonal are doubled). Entries of the
-//! transfer shafts are zero where those are rigid, torques of clutches and most ramps are zero usually: the
-//! order of the entries puts them last, in blocks of columns whose length the compiler knows.
+//! F z needs only the rows up to each column (entries off the diagonal are doubled). Torques of clutches and most
+//! ramps are zero usually, entries of the transfer shafts where those are rigid: the order of the entries puts them
+//! last, in blocks of columns whose length the compiler knows.
 //!
 //! What a gear mesh loses grows with ω_o itself, and not with differences of speeds alone: with ω_o(0) times
 //! a row that reads the torque in the mesh.
 
 use crate::plant_matrices::{AUGMENTED, C, O, Systems, TWIST_T, W};
 use crate::rung::{add, dot};
-use crate::rung_start::{CLUTCHES, COLUMNS, ENTRIES, SHAFTS};
+use crate::rung_start::{CLUTCH_RAMPS, CLUTCHES, COLUMNS, ENTRIES, Entries, SHAFTS};
 
 /// First torque among the entries, then T_v' and T_e'.
 const FIRST_TORQUE: usize = 4;
@@ -21,11 +21,12 @@ const ENGINE_RAMP: usize = 7;
 pub(crate) struct Loss {
     states: [[f64; 4]; 4],
     torques: [[f64; 6]; 2],
-    ramps: [[f64; SHAFTS]; 2],
-    shafts: [[f64; CLUTCHES]; 4],
-    clutches: [[f64; ENTRIES]; 4],
+    ramps: [[f64; CLUTCHES]; 2],
+    clutches: [[f64; SHAFTS]; 2],
+    shafts: [[f64; CLUTCH_RAMPS]; 4],
+    clutch_ramps: [[f64; ENTRIES]; 2],
     /// What ω_o(0) [rad/s] times the entries loses, where meshes lose power.
-    output: [f64; ENTRIES],
+    output: Entries,
     meshes_lose: bool,
 }
 
@@ -33,9 +34,10 @@ impl Loss {
     pub(crate) const ZERO: Self = Self {
         states: [[0.0; 4]; 4],
         torques: [[0.0; 6]; 2],
-        ramps: [[0.0; SHAFTS]; 2],
-        shafts: [[0.0; CLUTCHES]; 4],
-        clutches: [[0.0; ENTRIES]; 4],
+        ramps: [[0.0; CLUTCHES]; 2],
+        clutches: [[0.0; SHAFTS]; 2],
+        shafts: [[0.0; CLUTCH_RAMPS]; 4],
+        clutch_ramps: [[0.0; ENTRIES]; 2],
         output: [0.0; ENTRIES],
         meshes_lose: false,
     };
@@ -46,8 +48,9 @@ impl Loss {
         fill(&mut self.states, 0, form);
         fill(&mut self.torques, FIRST_TORQUE, form);
         fill(&mut self.ramps, LOAD_RAMP, form);
-        fill(&mut self.shafts, SHAFTS, form);
         fill(&mut self.clutches, CLUTCHES, form);
+        fill(&mut self.shafts, SHAFTS, form);
+        fill(&mut self.clutch_ramps, CLUTCH_RAMPS, form);
         self.meshes_lose = [0, 1].map(|i| systems.viscous[(O, TWIST_T + i)]) != [0.0; 2];
         let [one, two] = systems.ratio;
         let turning = [(O, 1.0), (W, 1.0), (C, one), (C + 1, two)];
@@ -57,56 +60,61 @@ impl Loss {
         });
     }
 
-    /// The loss [J]; `rigid`: without entries of shafts; `omega_o`: output speed [rad/s].
+    /// The loss [J] where T_e, T_c1 and T_c2 have no ramps; `rigid`: without entries of shafts; `omega_o`: output
+    /// speed [rad/s].
     #[inline(always)]
-    pub(crate) fn of(&self, z: &[f64; ENTRIES], rigid: bool, omega_o: f64) -> f64 {
-        let loss = self.of_entries(z, rigid);
-        if self.meshes_lose {
-            loss + omega_o * dot(&self.output, z)
+    pub(crate) fn of_held(&self, z: &Entries, rigid: bool, omega_o: f64) -> f64 {
+        let mut loss = if rigid {
+            self.of_rigid(z)
         } else {
-            loss
+            self.of_compliant(z)
+        };
+        if self.meshes_lose {
+            loss += omega_o * dot(&self.output, z);
         }
+        loss
+    }
+
+    /// The loss [J]; arguments as of [`Self::of_held`].
+    pub(crate) fn of(&self, z: &Entries, rigid: bool, omega_o: f64) -> f64 {
+        let by_engine = z[ENGINE_RAMP] * dot(&self.ramps[1], z);
+        let ramps = self.clutch_ramps.iter().zip(&z[CLUTCH_RAMPS..]);
+        let by_clutches: f64 = ramps.map(|(column, ramp)| ramp * dot(column, z)).sum();
+        self.of_held(z, rigid, omega_o) + by_engine + by_clutches
     }
 
     #[inline(never)] // a function of its own has registers for it
-    fn of_entries(&self, z: &[f64; ENTRIES], rigid: bool) -> f64 {
+    fn of_rigid(&self, z: &Entries) -> f64 {
         let mut sum = [0.0; SHAFTS];
-        let mut loss = 0.0;
-        if !rigid {
-            loss += self.of_shafts(z, &mut sum);
-        }
-        add(&mut sum, &self.ramps[0], z[LOAD_RAMP]);
-        add(&mut sum, &self.torques[0], z[FIRST_TORQUE]);
-        add(&mut sum, &self.torques[1], z[FIRST_TORQUE + 1]);
-        for (column, z) in self.states.iter().zip(z) {
+        self.add_core(z, &mut sum);
+        dot(&sum, z)
+    }
+
+    #[inline(never)]
+    fn of_compliant(&self, z: &Entries) -> f64 {
+        let mut sum = [0.0; CLUTCH_RAMPS];
+        for (column, z) in self.shafts.iter().zip(&z[SHAFTS..]) {
             add(&mut sum, column, *z);
         }
-        loss += dot(&sum, z);
-        let others = [z[7], z[12], z[13], z[14], z[15]].map(|entry| entry == 0.0);
-        let bare = others[0] & others[1] & others[2] & others[3] & others[4];
-        if bare { loss } else { loss + self.of_rest(z) }
+        self.add_core(z, &mut sum);
+        dot(&sum, z)
     }
 
-    /// What entries of shafts lose alone; `sum`: gains what they add to the columns before them.
+    /// Adds the columns before those of the shafts.
     #[inline(always)]
-    fn of_shafts(&self, z: &[f64; ENTRIES], sum: &mut [f64; SHAFTS]) -> f64 {
-        let mut all = [0.0; CLUTCHES];
-        for (column, z) in self.shafts.iter().zip(&z[SHAFTS..]) {
-            add(&mut all, column, *z);
-        }
-        let (before, own) = all.split_at(SHAFTS);
-        sum.copy_from_slice(before);
-        dot(own, &z[SHAFTS..])
-    }
-
-    fn of_rest(&self, z: &[f64; ENTRIES]) -> f64 {
-        let mut sum = z[ENGINE_RAMP] * dot(&self.ramps[1], z);
-        for (column, entry) in self.clutches.iter().zip(&z[CLUTCHES..]) {
-            if *entry != 0.0 {
-                sum += entry * dot(column, z);
+    fn add_core<const N: usize>(&self, z: &Entries, sum: &mut [f64; N]) {
+        for (column, z) in self.clutches.iter().zip(&z[CLUTCHES..]) {
+            if *z != 0.0 {
+                add(sum, column, *z);
             }
         }
-        sum
+        add(sum, &self.ramps[0], z[LOAD_RAMP]);
+        for (column, z) in self.torques.iter().zip(&z[FIRST_TORQUE..]) {
+            add(sum, column, *z);
+        }
+        for (column, z) in self.states.iter().zip(z) {
+            add(sum, column, *z);
+        }
     }
 }
 

@@ -33,26 +33,23 @@ impl RoadParams {
     ///
     /// `omega_w`: wheel speed [rad/s]. `phi`: road grade [rad].
     /// Returns its slope by ω_w [N·m·s/rad] as well.
-    pub(crate) fn smooth_load(&self, omega_w: f64, grade: Grade) -> (f64, f64) {
+    #[inline(always)]
+    pub(crate) fn smooth_load(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
         let v = self.r_w * omega_w;
         let drag = 0.5 * self.rho_air * self.a_v * self.c_drag * v.abs();
         let (mut force, mut slope) = (self.weight() * grade.sin + drag * v, 2.0 * drag);
         if self.v_eps > 0.0 {
             let roll = self.weight() * grade.cos * self.c_rr;
             let ratio = v / self.v_eps;
-            if ratio.abs() > SATURATED {
-                force += roll.copysign(ratio);
-            } else {
-                let direction = ComplexField::tanh(ratio);
-                force += roll * direction;
-                slope += roll * (1.0 - direction * direction) / self.v_eps;
-            }
+            let direction = grade.direction_at(ratio);
+            force += roll * direction;
+            slope += roll * (1.0 - direction * direction) / self.v_eps;
         }
         (self.r_w * force, self.r_w * self.r_w * slope)
     }
 
     /// Rolling resistance that is dry friction [N·m], ≥ 0; 0 where V_ε smooths it.
-    pub(crate) fn dry_rolling(&self, grade: Grade) -> f64 {
+    pub(crate) fn dry_rolling(&self, grade: &Grade) -> f64 {
         if self.v_eps > 0.0 {
             0.0
         } else {
@@ -99,12 +96,16 @@ impl RoadParams {
     }
 }
 
-/// A road grade with its sine and cosine, which seldom change from one step to the next.
+/// A road grade with its sine and cosine, and the direction of travel at a speed: they seldom change from one step
+/// to the next, or were just computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grade {
     phi: f64,
     pub(crate) sin: f64,
     pub(crate) cos: f64,
+    /// V/V_ε and its tanh.
+    ratio: f64,
+    direction: f64,
 }
 
 impl Grade {
@@ -113,15 +114,45 @@ impl Grade {
         phi: 0.0,
         sin: 0.0,
         cos: 1.0,
+        ratio: 0.0,
+        direction: 0.0,
     };
 
     /// A grade of `phi` [rad]; this one where it is the same.
-    pub(crate) fn at(self, phi: f64) -> Self {
-        if phi == self.phi {
-            self
+    #[inline(always)]
+    pub(crate) fn at(&self, phi: f64) -> Self {
+        let mut grade = *self;
+        if phi != self.phi {
+            grade.turn(phi);
+        }
+        grade
+    }
+
+    /// Becomes a grade of `phi` [rad].
+    #[cold]
+    #[inline(never)]
+    fn turn(&mut self, phi: f64) {
+        (self.phi, self.sin, self.cos) = (phi, ComplexField::sin(phi), ComplexField::cos(phi));
+    }
+
+    /// This grade where the wheels turn at `omega_w` [rad/s].
+    #[inline(always)]
+    pub(crate) fn travel(&mut self, road: &RoadParams, omega_w: f64) {
+        let ratio = road.r_w * omega_w / road.v_eps;
+        if ratio.abs() <= SATURATED {
+            (self.ratio, self.direction) = (ratio, self.direction_at(ratio));
+        }
+    }
+
+    /// tanh of V/V_ε.
+    #[inline(always)]
+    fn direction_at(&self, ratio: f64) -> f64 {
+        if ratio.abs() > SATURATED {
+            1.0_f64.copysign(ratio)
+        } else if ratio == self.ratio {
+            self.direction
         } else {
-            let (sin, cos) = (ComplexField::sin(phi), ComplexField::cos(phi));
-            Self { phi, sin, cos }
+            ComplexField::tanh(ratio)
         }
     }
 }
@@ -156,7 +187,7 @@ mod tests {
     fn the_smooth_load_of_a_smeared_resistance_is_all_of_it_with_its_slope() {
         let (road, grade) = (Params::TABLE_1.road, Grade::LEVEL.at(0.04));
         for omega_w in [-40.0, -0.1, 0.0, 0.03, 1.0, 90.0] {
-            let (load, slope) = road.smooth_load(omega_w, grade);
+            let (load, slope) = road.smooth_load(omega_w, &grade);
             assert!((load - road.load_torque(omega_w, 0.04)).abs() < 1e-9);
             assert!((slope - road.load_torque_slope(omega_w, 0.04)).abs() < 1e-9);
         }
@@ -169,10 +200,10 @@ mod tests {
             ..Params::TABLE_1.road
         };
         let grade = Grade::LEVEL.at(0.03);
-        let (fast, dry) = (20.0, road.dry_rolling(grade));
-        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(grade) == 0.0);
+        let (fast, dry) = (20.0, road.dry_rolling(&grade));
+        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(&grade) == 0.0);
         for omega_w in [fast, -fast] {
-            let whole = road.smooth_load(omega_w, grade).0 + dry * omega_w.signum();
+            let whole = road.smooth_load(omega_w, &grade).0 + dry * omega_w.signum();
             let smeared = Params::TABLE_1.road.load_torque(omega_w, 0.03);
             assert!((whole - smeared).abs() < 1e-9);
         }

@@ -1,0 +1,120 @@
+//! What a clutch is watched by over the longest rung: rows that read its guards from where the rung starts.
+
+use crate::integrate::Rung;
+use crate::plant_matrices::{Rows, State};
+use crate::rung::RAMP;
+use crate::rung_start::{CLUTCH_RAMPS, COLUMNS, Entries, SHAFTS};
+
+/// Rows for a clutch: its torque at the start and at the end of the rung [N·m], and at the start the rate of that
+/// torque [N·m/s] where it is engaged, else that of its slip [rad/s²].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Watch([[f64; CLUTCH_RAMPS]; 3]);
+
+impl Watch {
+    pub(crate) const BLIND: Self = Self([[0.0; CLUTCH_RAMPS]; 3]);
+
+    /// For clutch `i`, `engaged` or not, of a driveline whose guards read `rows`.
+    pub(crate) fn new(rung: &Rung, rows: &Rows, i: usize, engaged: bool) -> Self {
+        let torque = |x: &State, entry: usize| rows.torque[i].of_column(x, COLUMNS[entry]);
+        let rate = if engaged {
+            &rows.torque_rate[i]
+        } else {
+            &rows.slip_rate[i]
+        };
+        let ramp = |entry: usize| match COLUMNS[entry].checked_sub(RAMP) {
+            Some(q) => rows.torque[i].of_torque(q, 1.0),
+            None => 0.0,
+        };
+        let held = State::zeros();
+        Self([
+            core::array::from_fn(|entry| torque(&held, entry)),
+            core::array::from_fn(|entry| {
+                let change = rung.change_by(entry);
+                torque(&change, entry) + rung.t * ramp(entry)
+            }),
+            core::array::from_fn(|entry| {
+                let by_ramp = if engaged { ramp(entry) } else { 0.0 };
+                rate.of_column(&held, COLUMNS[entry]) + by_ramp
+            }),
+        ])
+    }
+
+    /// What the rows read from the entries of a start without ramps of clutches; `rigid`: without those of shafts.
+    #[inline(never)] // a function of its own has registers for it
+    pub(crate) fn read(&self, z: &Entries, rigid: bool) -> [f64; 3] {
+        if rigid {
+            self.sums::<SHAFTS>(z)
+        } else {
+            self.sums::<CLUTCH_RAMPS>(z)
+        }
+    }
+
+    #[inline(always)]
+    fn sums<const N: usize>(&self, z: &Entries) -> [f64; 3] {
+        let mut lanes = [[0.0; 2]; 3];
+        for (k, z) in z[..N].as_chunks::<2>().0.iter().enumerate() {
+            for (lanes, row) in lanes.iter_mut().zip(&self.0) {
+                lanes[0] += row[2 * k] * z[0];
+                lanes[1] += row[2 * k + 1] * z[1];
+            }
+        }
+        lanes.map(|[even, odd]| even + odd)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Params;
+    use crate::integrate::{LADDER, Propagators};
+    use crate::plant_matrices::{State, Torques};
+
+    #[test]
+    fn it_reads_what_the_rows_read_at_both_ends() {
+        for rigid in [false, true] {
+            let p = Params {
+                rigid,
+                ..Params::TABLE_1
+            };
+            let propagators = Propagators::new(&p, [1, 2], 1e-3);
+            let g = propagators.systems.ratio;
+            let x = State::from([
+                200.0,
+                198.0,
+                12.0 * g[0],
+                12.0 * g[1],
+                12.0,
+                11.9,
+                0.03,
+                0.0,
+                0.0,
+                0.05,
+            ]);
+            let (v, load_ramp) = (Torques::from([60.0, 40.0, -25.0, 300.0]), 1e4);
+            let v_dot = Torques::from([0.0, 0.0, 0.0, load_ramp]);
+            for set in 0..4_usize {
+                let (rung, watches) = propagators.longest(set);
+                let rows = &propagators.systems.by_stuck[set].rows;
+                let start = rung.start(&x, &v, &v_dot);
+                let (x_end, v_end) = (rung.motion(&start).end(&x), v + v_dot * rung.t);
+                for i in [0, 1] {
+                    let rate = if set >> i & 1 == 1 {
+                        rows.torque_rate[i].of(&x, &v) + rows.torque[i].of_torques(&v_dot)
+                    } else {
+                        rows.slip_rate[i].of(&x, &v)
+                    };
+                    let wanted = [
+                        rows.torque[i].of(&x, &v),
+                        rows.torque[i].of(&x_end, &v_end),
+                        rate,
+                    ];
+                    let found = watches[i].read(&start.entries, rigid);
+                    for (found, wanted) in found.iter().zip(wanted) {
+                        let apart = (found - wanted).abs();
+                        assert!(apart < 1e-9 * wanted.abs().max(1.0), "{found} {wanted}");
+                    }
+                }
+            }
+            assert!(propagators.rung(0, LADDER).t == 1e-3);
+        }
+    }
+}
