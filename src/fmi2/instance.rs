@@ -214,11 +214,11 @@ impl<M: Model> Instance<M> {
             derivative::<M>(reference, order, |row| row.slope)?;
         }
         self.refresh(log)?;
-        let model = &mut self.now.model;
-        model.update_slopes();
-        let value = |(&reference, &order)| {
+        let mut copy = self.now.model.clone();
+        self.now.model.slopes(&mut copy);
+        let value = move |(&reference, &order)| {
             let (_, slope) = derivative::<M>(reference, order, |row| row.slope).ok()?;
-            Some(*slope(model))
+            Some(*slope(&mut copy))
         };
         Ok(references.iter().zip(orders).filter_map(value))
     }

@@ -56,8 +56,11 @@ pub trait Model: Clone + Default + Send + 'static {
         let _ = direction;
     }
 
-    /// Computes what the slopes of the rows point at; called before slopes are read.
-    fn update_slopes(&mut self) {}
+    /// Computes the time derivatives of its outputs into what the slopes of the rows point at in `copy`,
+    /// a copy of `self` that is dropped when they were read: they may take the places of the outputs.
+    fn slopes(&mut self, copy: &mut Self) {
+        let _ = copy;
+    }
 
     /// Visits every field that is neither a variable of the table nor derived from one: the
     /// hidden state. It is written to and read from serialised FMU states in this order.

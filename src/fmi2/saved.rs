@@ -5,14 +5,14 @@
 //! ```
 //!
 //! All little-endian. The payload holds life cycle, times, all variables of the table with their
-//! rates and slopes, and the model's hidden state.
+//! rates, and the model's hidden state.
 
 use crate::guid::table_hash;
 use crate::hash::Hash;
 use crate::{Access, Causality, Error, Model, State, StateFields, Value as _, Variable};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// A saved FMU state: the model with its place in the life cycle.
 #[derive(Clone)]
@@ -113,8 +113,8 @@ impl<M: Model> Saved<M> {
                     fields.integer(field(&mut self.model));
                 }
             }
-            for field in [row.rate, row.slope].into_iter().flatten() {
-                fields.real(field(&mut self.model));
+            if let Some(rate) = row.rate {
+                fields.real(rate(&mut self.model));
             }
         }
         self.model.hidden_state(fields);

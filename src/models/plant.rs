@@ -66,10 +66,6 @@ pub struct Plant {
     jerk_filter: JerkFilter,
     /// dV/dt through the filter [m/s²], and jerk [m/s³].
     comfort: [f64; 2],
-    /// Time derivatives of the outputs, when they were asked for.
-    y_rate: Output,
-    /// Time derivatives of `comfort` [m/s³, m/s⁴], when they were asked for.
-    comfort_rate: [f64; 2],
     /// Clutch states 1, 2, 3.
     clutch_state: [i32; 2],
     propagation: Propagation,
@@ -95,8 +91,6 @@ impl Default for Plant {
             y,
             jerk_filter: JerkFilter::at(0.0),
             comfort: [0.0; 2],
-            y_rate: Output::default(),
-            comfort_rate: [0.0; 2],
             clutch_state: y.state.map(|state| state as i32),
             propagation: Propagation::default(),
         }
@@ -320,14 +314,14 @@ impl Model for Plant {
             .tangent(&self.p, systems, &input, &State::zeros(), &du);
     }
 
-    fn update_slopes(&mut self) {
+    fn slopes(&mut self, copy: &mut Self) {
         let (input, rate) = (self.input(), self.input_change(&self.u_rate));
         let coupling = self.state.coupling();
         let systems = self.propagation.systems(&self.p, coupling);
-        self.y_rate = self.state.output_rates(&self.p, systems, &input, &rate);
+        copy.y = self.state.output_rates(&self.p, systems, &input, &rate);
         let (v, acceleration) = (self.speed(), self.y.vehicle_acceleration);
         let jerk_rate = self.jerk_filter.jerk_rate(v, acceleration, self.jerk_time);
-        self.comfort_rate = [self.comfort[1], jerk_rate];
+        copy.comfort = [self.comfort[1], jerk_rate];
     }
 
     fn consistent(&self) -> Result<(), Failure> {

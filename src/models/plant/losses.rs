@@ -15,7 +15,7 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.brake_power,
         "Friction power of the brake",
     )
-    .slope(|m| &mut m.y_rate.brake_power)
+    .slope(|m| &mut m.y.brake_power)
     .depends_on(&[ports::BRAKE_TORQUE]),
     Variable::output(
         "brake.frictionEnergy",
@@ -23,7 +23,7 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.brake_energy,
         "Friction energy of the brake since the start",
     )
-    .slope(|m| &mut m.y_rate.brake_energy)
+    .slope(|m| &mut m.y.brake_energy)
     .depends_on(STATES),
     Variable::output(
         "synchroniser.energy",
@@ -31,7 +31,7 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.synchroniser_energy,
         "Energy lost in the synchronisers since the start",
     )
-    .slope(|m| &mut m.y_rate.synchroniser_energy)
+    .slope(|m| &mut m.y.synchroniser_energy)
     .depends_on(STATES),
     Variable::output(
         "energy.residual",
@@ -39,6 +39,6 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         |m: &mut Plant| &mut m.y.energy_residual,
         "Energy balance over the run: work in - stored - lost",
     )
-    .slope(|m| &mut m.y_rate.energy_residual)
+    .slope(|m| &mut m.y.energy_residual)
     .depends_on(STATES),
 ];

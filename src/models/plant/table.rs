@@ -135,7 +135,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_e,
         "omega_e of (1): engine speed",
     )
-    .slope(|m| &mut m.y_rate.omega_e)
+    .slope(|m| &mut m.y.omega_e)
     .depends_on(STATES),
     Variable::output(
         ports::DAMPER_SPEED,
@@ -143,7 +143,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_d,
         "omega_d of (2): speed of the damper's output side",
     )
-    .slope(|m| &mut m.y_rate.omega_d)
+    .slope(|m| &mut m.y.omega_d)
     .depends_on(STATES),
     Variable::output(
         ports::OUTPUT_SPEED,
@@ -151,7 +151,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_o,
         "omega_o of (8): speed of the output shaft",
     )
-    .slope(|m| &mut m.y_rate.omega_o)
+    .slope(|m| &mut m.y.omega_o)
     .depends_on(STATES),
     Variable::output(
         ports::WHEEL_SPEED,
@@ -159,7 +159,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.omega_w,
         "omega_w of (9): speed of the wheels",
     )
-    .slope(|m| &mut m.y_rate.omega_w)
+    .slope(|m| &mut m.y.omega_w)
     .depends_on(STATES),
     Variable::output(
         "vehicle.speed",
@@ -167,7 +167,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.vehicle_speed,
         "V = r_w omega_w",
     )
-    .slope(|m| &mut m.y_rate.vehicle_speed)
+    .slope(|m| &mut m.y.vehicle_speed)
     .depends_on(STATES),
     Variable::output(
         "vehicle.acceleration",
@@ -175,7 +175,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.y.vehicle_acceleration,
         "dV/dt",
     )
-    .slope(|m| &mut m.y_rate.vehicle_acceleration)
+    .slope(|m| &mut m.y.vehicle_acceleration)
     .depends_on(LOAD),
     Variable::output(
         "vehicle.filteredAcceleration",
@@ -183,7 +183,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.comfort[0],
         "dV/dt through 1/(1 + tau s)^2, tau = vehicle.jerkTime",
     )
-    .slope(|m| &mut m.comfort_rate[0])
+    .slope(|m| &mut m.comfort[0])
     .depends_on(STATES),
     Variable::output(
         "vehicle.jerk",
@@ -191,7 +191,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
         |m: &mut Plant| &mut m.comfort[1],
         "Jerk: derivative of the filtered acceleration, (V - 2 V1 + V2)/tau^2",
     )
-    .slope(|m| &mut m.comfort_rate[1])
+    .slope(|m| &mut m.comfort[1])
     .depends_on(STATES),
     Variable::boolean_output(
         "wheel.held",
@@ -208,7 +208,7 @@ const TORQUES: [Variable<Plant>; 3] = [
         |m: &mut Plant| &mut m.y.t_d,
         "T_d of (3): torque of the torsional damper",
     )
-    .slope(|m| &mut m.y_rate.t_d)
+    .slope(|m| &mut m.y.t_d)
     .depends_on(STATES),
     Variable::output(
         ports::DRIVE_SHAFT_TORQUE,
@@ -216,7 +216,7 @@ const TORQUES: [Variable<Plant>; 3] = [
         |m: &mut Plant| &mut m.y.t_o,
         "T_o of (10): torque of the drive shaft",
     )
-    .slope(|m| &mut m.y_rate.t_o)
+    .slope(|m| &mut m.y.t_o)
     .depends_on(STATES),
     Variable::output(
         ports::LOAD_TORQUE,
@@ -224,7 +224,7 @@ const TORQUES: [Variable<Plant>; 3] = [
         |m: &mut Plant| &mut m.y.t_v,
         "T_v of (11) with the brake, positive against forward motion",
     )
-    .slope(|m| &mut m.y_rate.t_v)
+    .slope(|m| &mut m.y.t_v)
     .depends_on(LOAD),
 ];
 
@@ -242,7 +242,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             |m: &mut Plant| &mut m.y.omega_c[I],
             "omega_c of (4), (5): speed of the input shaft",
         )
-        .slope(|m| &mut m.y_rate.omega_c[I])
+        .slope(|m| &mut m.y.omega_c[I])
         .depends_on(STATES),
         Variable::output(
             ports::CLUTCH_TORQUE[I],
@@ -250,7 +250,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             |m: &mut Plant| &mut m.y.t_c[I],
             "T_c of (6), (7): torque through the clutch, positive when the engine drives",
         )
-        .slope(|m| &mut m.y_rate.t_c[I])
+        .slope(|m| &mut m.y.t_c[I])
         .depends_on(ACTUATORS),
         Variable::output(
             shaft,
@@ -258,7 +258,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             |m: &mut Plant| &mut m.y.t_t[I],
             "T_t of (4), (5): torque of the transfer shaft",
         )
-        .slope(|m| &mut m.y_rate.t_t[I])
+        .slope(|m| &mut m.y.t_t[I])
         .depends_on(ACTUATORS),
         Variable::boolean_output(
             synchronising,
@@ -272,7 +272,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             |m: &mut Plant| &mut m.y.slip[I],
             "Slip omega_d - omega_c, exactly 0 when engaged",
         )
-        .slope(|m| &mut m.y_rate.slip[I])
+        .slope(|m| &mut m.y.slip[I])
         .depends_on(STATES),
         Variable::enumeration_output(
             state,
@@ -287,7 +287,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             |m: &mut Plant| &mut m.y.friction_power[I],
             "Friction power in the clutch",
         )
-        .slope(|m| &mut m.y_rate.friction_power[I])
+        .slope(|m| &mut m.y.friction_power[I])
         .depends_on(ACTUATORS),
         Variable::output(
             energy,
@@ -295,7 +295,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             |m: &mut Plant| &mut m.y.friction_energy[I],
             "Friction energy in the clutch since the start",
         )
-        .slope(|m| &mut m.y_rate.friction_energy[I])
+        .slope(|m| &mut m.y.friction_energy[I])
         .depends_on(STATES),
     ]
 }

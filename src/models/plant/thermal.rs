@@ -29,7 +29,7 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
             |m: &mut Plant| &mut m.y.temperature[I],
             "Temperature of the clutch; without a thermal model that of ambient or oil",
         )
-        .slope(|m| &mut m.y_rate.temperature[I])
+        .slope(|m| &mut m.y.temperature[I])
         .depends_on(&[]),
         Variable::output(
             ["clutch1.wear", "clutch2.wear"][I],
@@ -37,7 +37,7 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
             |m: &mut Plant| &mut m.y.wear[I],
             "Volume worn off the lining since the start: specificWear times friction energy",
         )
-        .slope(|m| &mut m.y_rate.wear[I])
+        .slope(|m| &mut m.y.wear[I])
         .depends_on(&[]),
     ]
 }
