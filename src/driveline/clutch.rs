@@ -76,12 +76,14 @@ impl ForceMap {
 
 /// Value of the piecewise linear `y(x)`, at the left end of a vertical piece, constant outside.
 fn interpolate(xs: &[f64; MAP_POINTS], ys: &[f64; MAP_POINTS], x: f64) -> f64 {
-    let Some(end) = xs.iter().position(|end| x <= *end) else {
-        return ys[MAP_POINTS - 1];
-    };
-    let Some(start) = end.checked_sub(1) else {
+    if x <= xs[0] {
         return ys[0];
-    };
+    }
+    let end = xs.iter().filter(|end| **end < x).count(); // of all, without a branch
+    if end >= MAP_POINTS {
+        return ys[MAP_POINTS - 1];
+    }
+    let start = end - 1;
     ys[start] + (ys[end] - ys[start]) * (x - xs[start]) / (xs[end] - xs[start])
 }
 

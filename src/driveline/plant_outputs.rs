@@ -22,9 +22,7 @@ impl Plant {
         let t_v = if held {
             drive_shaft_torque(p, x)
         } else {
-            let grade = self.grade.at(input.phi);
-            let direction = self.brake_direction();
-            input.load_torque(p, &grade, x[W], direction).0
+            self.load_torque(p, input)
         };
         let factor = if p.friction_varies() {
             self.friction_factor(p)
@@ -32,7 +30,12 @@ impl Plant {
             [1.0; 2]
         };
         let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
-        let v = self.with_synchronisers(p, v);
+        let synchronising = self.synchroniser != [Mode::Open; 2];
+        let v = if synchronising {
+            self.with_synchronisers(p, v)
+        } else {
+            v
+        };
         let system = &systems.by_stuck[stuck_set(self.modes)];
         let t_c = [0, 1].map(|i| match self.modes[i] {
             Mode::Stuck => system.rows.torque[i].of(x, &v),
@@ -44,10 +47,8 @@ impl Plant {
         if systems.rigid_ratio != [0.0; 2] {
             t_t = self.rigid_shaft_torques(p, systems, t_c, t_o);
         }
-        for i in [0, 1] {
-            if self.synchroniser[i] != Mode::Open {
-                t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
-            }
+        for i in (0..2).filter(|i| synchronising && self.synchroniser[*i] != Mode::Open) {
+            t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
         }
         let omega_w_dot = if held { 0.0 } else { (t_o - t_v) / p.j_v };
         *y = Output {
@@ -71,12 +72,33 @@ impl Plant {
             synchronising: systems.coupling.synchronising,
             temperature: self.temperature,
             wear: [0, 1].map(|i| p.clutch[i].specific_wear * self.work.friction[i]),
-            brake_power: self.brake_power(input.t_brake),
+            brake_power: if input.t_brake == 0.0 {
+                0.0
+            } else {
+                self.brake_power(input.t_brake)
+            },
             brake_energy: self.work.brake,
             synchroniser_energy: self.work.synchroniser,
             energy_residual: self.energy_residual(systems),
         };
     }
+    /// T_v of (11) with the brake [N·m] while the wheels turn.
+    #[inline(always)]
+    fn load_torque(&self, p: &Params, input: &Input) -> f64 {
+        let turned;
+        let grade = if self.grade.is_of(input.phi) {
+            &self.grade
+        } else {
+            turned = self.grade.at(input.phi);
+            &turned
+        };
+        if input.t_brake == 0.0 && p.road.v_eps > 0.0 {
+            return p.road.smooth_load(self.x[W], grade).0;
+        }
+        let direction = self.brake_direction();
+        input.load_torque(p, grade, self.x[W], direction).0
+    }
+
     /// T_t1, T_t2 of rigid shafts [N·m], shape (2): from J_out ω̇_o = Σ g_i T_ci − T_o; 0 in neutral.
     ///
     /// `t_c`: T_c1, T_c2 [N·m], shape (2).

@@ -17,8 +17,8 @@ use crate::rung_watch::Watch;
 /// The ordinary step, from its start to its end.
 struct Quiet<'a> {
     rung: &'a Rung,
-    z: Entries,
-    x_end: State,
+    z: &'a Entries,
+    x_end: &'a State,
 }
 
 impl Plant {
@@ -34,7 +34,7 @@ impl Plant {
         if !self.is_plain(p, input, rate) {
             return false;
         }
-        self.grade = self.grade.at(input.phi);
+        self.grade.become_of(input.phi);
         let (set, systems) = (stuck_set(self.modes), &propagators.systems);
         let (rung, watches) = propagators.longest(set);
         let load = |omega_w| p.road.smooth_load(omega_w, &self.grade);
@@ -43,16 +43,22 @@ impl Plant {
         let mut z = rung.entries(&self.x, &v);
         let mut motion = rung.motion_held(&self.x, &z);
         z[RAMPS[LOAD]] = load_ramp(rung, t_v, motion.wheel_speed(&self.x), load);
-        rung.add_ramp(&mut motion, LOAD, z[RAMPS[LOAD]]);
-        let x_end = motion.end(&self.x);
-        let step = Quiet { rung, z, x_end };
+        let x_end = rung.end_under(&mut motion, &self.x, z[RAMPS[LOAD]]);
+        let step = Quiet {
+            rung,
+            z: &z,
+            x_end: &x_end,
+        };
         let quiet = [0, 1]
             .into_iter()
             .all(|i| self.is_quiet(p, input, i, &step, &watches[i], systems));
         if quiet {
-            self.book(&rung.work_held(&self.x, &step.z, &motion));
-            self.work.viscous += rung.viscous_loss_held(&self.x, &step.z);
-            self.x = step.x_end;
+            let work = rung.work_held(&self.x, &z, &motion);
+            self.work.engine += work[0];
+            self.work.friction = [0, 1].map(|i| self.work.friction[i] + work[1 + i]);
+            self.work.load += work[3];
+            self.work.viscous += rung.viscous_loss_held(&self.x, &z);
+            self.x = x_end;
             self.hold_ratios(systems.rigid_ratio);
             remove_slip(systems, set, &mut self.x);
             self.grade.travel(&p.road, self.x[W]);
@@ -87,7 +93,7 @@ impl Plant {
         if self.modes[i] == Mode::Open {
             return force <= 0.0;
         }
-        let [start, end, rate] = watch.read(&step.z, step.rung.is_rigid());
+        let [start, end, rate] = watch.read(step.z, step.rung.is_rigid());
         let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
         if self.modes[i] == Mode::Stuck {
             let reach = clutch.mu_s * clutch.r_c_n * force;
@@ -99,7 +105,7 @@ impl Plant {
                         >= 0.0);
         }
         let direction = self.modes[i].direction();
-        let [slip, slip_end] = [&self.x, &step.x_end].map(|x| direction * (x[D] - x[C + i]));
+        let [slip, slip_end] = [&self.x, step.x_end].map(|x| direction * (x[D] - x[C + i]));
         force > 0.0
             && slip > ZERO_SLIP
             && slip_end >= 0.0
@@ -127,10 +133,10 @@ impl Quiet<'_> {
     #[cold]
     #[inline(never)]
     fn rate_at_end(&self, row: &Row, by_ramp: Option<&Row>) -> f64 {
-        let (z, ramp) = (&self.z, self.z[RAMPS[LOAD]]);
+        let (z, ramp) = (self.z, self.z[RAMPS[LOAD]]);
         let v = TORQUE.map(|at| z[at]);
         let v = Torques::from([v[0], v[1], v[2], v[3] + ramp * self.rung.t]);
-        row.of(&self.x_end, &v) + by_ramp.map_or(0.0, |row| row.of_torque(LOAD, ramp))
+        row.of(self.x_end, &v) + by_ramp.map_or(0.0, |row| row.of_torque(LOAD, ramp))
     }
 }
 

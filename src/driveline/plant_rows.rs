@@ -27,6 +27,7 @@ impl Row {
     }
 
     /// The quantity.
+    #[inline(never)] // a function of its own has registers for it
     pub fn of(&self, x: &State, v: &Torques) -> f64 {
         dot(&self.x, &x.data.0[0]) + self.of_torques(v)
     }

@@ -263,6 +263,13 @@ impl Rung {
         add(&mut motion.0, &self.columns[RAMPS[q]], ramp);
     }
 
+    /// x(t) with a ramp of the load [N·m/s] added to the motion.
+    #[inline(never)] // a function of its own has registers for it
+    pub(crate) fn end_under(&self, motion: &mut Motion, x: &State, load_ramp: f64) -> State {
+        add(&mut motion.0, &self.columns[RAMPS[3]], load_ramp);
+        motion.end(x)
+    }
+
     /// Change of the state by an entry alone, shape (10).
     pub(crate) fn change_by(&self, entry: usize) -> State {
         Motion(self.columns[entry]).end(&State::zeros())
@@ -312,7 +319,7 @@ impl Rung {
             if torque == 0.0 {
                 return 0.0;
             }
-            torque * (self.worked_speed(x, i) * self.t + dot(&self.slips[i], z))
+            torque * self.worked_angle(x, z, i)
         };
         Torques::from([
             z[TORQUE[0]] * angle_e,
@@ -320,6 +327,12 @@ impl Rung {
             friction(1),
             z[TORQUE[3]] * angle_w + z[RAMPS[3]] * moment_w,
         ])
+    }
+
+    /// ∫ of what T_c1 or T_c2 works on [rad].
+    #[inline(never)] // only slipping clutches need it
+    fn worked_angle(&self, x: &State, z: &Entries, i: usize) -> f64 {
+        self.worked_speed(x, i) * self.t + dot(&self.slips[i], z)
     }
 
     /// What T_c1 or T_c2 works on [rad/s].

@@ -122,13 +122,24 @@ impl Grade {
     #[inline(always)]
     pub(crate) fn at(&self, phi: f64) -> Self {
         let mut grade = *self;
-        if phi != self.phi {
-            grade.turn(phi);
-        }
+        grade.become_of(phi);
         grade
     }
 
+    /// Whether it is a grade of `phi` [rad].
+    #[inline(always)]
+    pub(crate) const fn is_of(&self, phi: f64) -> bool {
+        phi == self.phi
+    }
+
     /// Becomes a grade of `phi` [rad].
+    #[inline(always)]
+    pub(crate) fn become_of(&mut self, phi: f64) {
+        if !self.is_of(phi) {
+            self.turn(phi);
+        }
+    }
+
     #[cold]
     #[inline(never)]
     fn turn(&mut self, phi: f64) {
@@ -152,9 +163,15 @@ impl Grade {
         } else if ratio == self.ratio {
             self.direction
         } else {
-            ComplexField::tanh(ratio)
+            tanh(ratio)
         }
     }
+}
+
+#[cold]
+#[inline(never)] // most speeds do not need it
+fn tanh(ratio: f64) -> f64 {
+    ComplexField::tanh(ratio)
 }
 
 /// sgn x, 0 at 0 [1].

@@ -46,6 +46,24 @@ struct Inputs {
     grade: f64,
 }
 
+impl Inputs {
+    /// Whether all of them are zero.
+    #[inline(always)]
+    fn is_zero(&self) -> bool {
+        let ([one, two], [three, four]) = (self.position, self.pressure);
+        let values = [
+            self.engine_torque,
+            one,
+            two,
+            three,
+            four,
+            self.brake_torque,
+            self.grade,
+        ];
+        values.iter().fold(0, |bits, value| bits | value.to_bits()) << 1 == 0 // but for signs of zeros
+    }
+}
+
 /// The plant: parameters, inputs, the driveline's state, outputs.
 #[derive(Clone)]
 pub struct Plant {
@@ -128,7 +146,7 @@ impl Plant {
 
     /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
     fn rate(&self, start: &driveline::Input, step: f64) -> InputRate {
-        if self.u_rate == Inputs::default() {
+        if self.u_rate.is_zero() {
             return InputRate::default();
         }
         let end = |value: [f64; 2], rate: [f64; 2]| [0, 1].map(|i| value[i] + rate[i] * step);

@@ -56,24 +56,35 @@ impl Propagation {
     }
 
     /// The propagators of this coupling and this step [s].
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(&mut self, p: &Params, coupling: Coupling, step: f64) -> &Propagators {
+        let latest = &self.kept[self.latest % KEPT];
+        if !latest
+            .as_ref()
+            .is_some_and(|kept| kept.fits(coupling, step))
+        {
+            self.look_for(coupling, step);
+        }
+        let user = &mut self.user;
+        self.kept[self.latest % KEPT].get_or_insert_with(|| {
+            let user = user.get_or_insert_with(User::new);
+            user.find(p, coupling, step)
+        })
+    }
+
+    /// Turns to the propagators that fit, or to room for them.
+    #[cold]
+    #[inline(never)]
+    fn look_for(&mut self, coupling: Coupling, step: f64) {
         let fits = |kept: &Option<Arc<Propagators>>| {
             kept.as_ref()
                 .is_some_and(|propagators| propagators.fits(coupling, step))
         };
-        if !fits(&self.kept[self.latest]) {
-            let found = self.kept.iter().position(fits);
-            self.latest = found.unwrap_or((self.latest + 1) % KEPT);
-            if found.is_none() {
-                self.kept[self.latest] = None;
-            }
+        let found = self.kept.iter().position(fits);
+        self.latest = found.unwrap_or((self.latest + 1) % KEPT);
+        if found.is_none() {
+            self.kept[self.latest] = None;
         }
-        let user = &mut self.user;
-        self.kept[self.latest].get_or_insert_with(|| {
-            let user = user.get_or_insert_with(User::new);
-            user.find(p, coupling, step)
-        })
     }
 
     /// The matrices of this coupling, whatever the step.
