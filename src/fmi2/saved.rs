@@ -62,17 +62,17 @@ impl<M: Model> Saved<M> {
     /// # Errors
     /// [`Error::Serialised`] when the bytes are of another FMU or version, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        Self::from_bytes_under(table_hash::<M>(), bytes)
+        Ok(*Self::from_bytes_under(table_hash::<M>(), bytes)?)
     }
 
-    /// As [`Self::from_bytes`], with the table's hash known.
-    pub(crate) fn from_bytes_under(guid: u128, bytes: &[u8]) -> Result<Self, Error> {
+    /// As [`Self::from_bytes`], with the table's hash known; not on the stack, where a model may be large.
+    pub(crate) fn from_bytes_under(guid: u128, bytes: &[u8]) -> Result<Box<Self>, Error> {
         let payload = checked_payload(guid, bytes)?;
         let mut reader = Reader {
             rest: payload,
             intact: true,
         };
-        let mut saved = Self::new();
+        let mut saved = Box::new(Self::new());
         saved.visit(&mut reader);
         if !reader.intact || !reader.rest.is_empty() {
             return Err(Error::Serialised("does not hold the fields of this model"));

@@ -12,7 +12,9 @@ impl<M: Model> Library<M> {
     pub unsafe fn get_state(&self, component: *mut c_void, state: *mut *mut c_void) -> Status {
         self.enter(component, Call::GetFMUstate, |instance, _| {
             // SAFETY: the importer's promise.
-            self.put_state(unsafe { place("FMUstate", state)? }, || instance.save())
+            self.put_state(unsafe { place("FMUstate", state)? }, || {
+                Ok(Box::new(instance.save()?))
+            })
         })
     }
 
@@ -115,19 +117,19 @@ impl<M: Model> Library<M> {
         body(unsafe { &mut *entered.value })
     }
 
-    /// Puts a saved state behind an importer's pointer: NULL, or one of our states.
+    /// Puts a saved state, which never lies on a small stack, behind an importer's pointer: NULL, or one of our states.
     fn put_state(
         &self,
         target: &mut *mut c_void,
-        make: impl FnOnce() -> Result<Saved<M>, Error>,
+        make: impl FnOnce() -> Result<Box<Saved<M>>, Error>,
     ) -> Result<(), Error> {
         if target.is_null() {
-            let token = self.states.insert(Box::new(make()?));
+            let token = self.states.insert(make()?);
             *target = handed_out(Some(token.ok_or(Error::State)?));
             return Ok(());
         }
         self.with_state(*target, |saved| {
-            *saved = make()?;
+            *saved = *make()?;
             Ok(())
         })
     }
