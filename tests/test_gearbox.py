@@ -132,6 +132,53 @@ def test_the_inertia_of_a_gear_slows_the_vehicle_down():
     assert speeds[0] / speeds[1] == pytest.approx(expected, rel=2e-3)
 
 
+def lossy(**values: float) -> Instance:
+    """A plant in first gear alone at 3 m/s, whose gear loses 10 %, before its start."""
+    plant = Instance(PLANT)
+    start = {
+        "shaft2__gear": 0,
+        "engine__speed_start": 180.0,
+        "vehicle__speed_start": 3.0,
+        "clutch1__position": 9e-3,
+    }
+    for name, value in (start | {"shaft1__gearEfficiency[1]": 0.9} | values).items():
+        plant.set(name.replace("__", "."), value)
+    return plant
+
+
+def test_a_gear_that_loses_power_passes_on_less_driving_and_takes_more_driven():
+    for torque, share in ((60.0, 0.9), (-60.0, 1 / 0.9)):
+        with lossy(engine__torque=torque) as plant:
+            plant.start()
+            last = drive(plant, 0.0, 800)[-1]
+            reached = last["driveShaft.torque"] + 0.04 * last["vehicle.acceleration"] / 0.3
+            assert reached / (6.0 * last["shaft1.torque"]) == pytest.approx(share, rel=2e-3)
+            assert abs(last["energy.residual"]) < 1e-6
+
+
+def test_a_run_goes_on_from_a_state_saved_in_jammed_gears():
+    with lossy(engine__speed_start=110.0, vehicle__speed_start=0.0) as plant:
+        plant.slave.setDebugLogging(True, ["logEvents"])
+        plant.set("brake.torque", 5000.0)
+        plant.start()
+        drive(plant, 0.0, 1000, clutch1__position=4e-3)
+        assert plant.get("output.speed") == 0.0
+        assert any("output Forward -> Stuck" in text for text in texts(plant))
+        saved = plant.saved()
+        first = drive(plant, 1.0, 300, brake__torque=0.0)
+        assert first[-1]["vehicle.speed"] > 0.1
+        plant.restore(saved)
+        assert drive(plant, 1.0, 300, brake__torque=0.0) == first
+
+
+def test_rigid_shafts_refuse_gears_that_lose_power():
+    with lossy(transmission__rigid=True) as plant:
+        with pytest.raises(FMICallException):
+            plant.start()
+        refused = "shaft1.gearEfficiency[1] = 0.9 does not act on rigid transfer shafts"
+        assert any(refused in text for text in texts(plant))
+
+
 def test_a_gear_that_no_shaft_can_have_is_refused():
     with Instance(PLANT) as plant, pytest.raises(FMICallException):
         plant.set("shaft1.gear", 9)

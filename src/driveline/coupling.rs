@@ -24,6 +24,10 @@ pub struct Coupling {
     pub synchronising: [bool; 2],
     /// The brake holds the wheels: ω_w stays as it is.
     pub held: bool,
+    /// s of shafts whose gear loses power, shape (2): 1 drives the output, −1 is driven by it; otherwise 0.
+    pub power: [i8; 2],
+    /// The meshes of gears that lose power jam: ω_o stays as it is.
+    pub jammed: bool,
 }
 
 impl From<[i32; 2]> for Coupling {
@@ -32,6 +36,8 @@ impl From<[i32; 2]> for Coupling {
             gear,
             synchronising: [false; 2],
             held: false,
+            power: [0; 2],
+            jammed: false,
         }
     }
 }

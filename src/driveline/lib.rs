@@ -18,6 +18,7 @@ mod plant_empty;
 mod plant_friction;
 mod plant_gear;
 pub mod plant_matrices;
+pub mod plant_mesh;
 pub mod plant_modes;
 mod plant_outputs;
 mod plant_ports;

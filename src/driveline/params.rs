@@ -35,6 +35,11 @@ pub struct Params {
     pub j_gear: [[f64; GEARS_PER_SHAFT]; 2],
     /// The same of the reverse gear per shaft [kg·m²].
     pub j_r: [f64; 2],
+    /// η: part of the power that a gear and its final drive pass on, in the order of `i_t` [1], (0, 1];
+    /// not below 1 where transfer shafts are rigid.
+    pub eta: [[f64; GEARS_PER_SHAFT]; 2],
+    /// The same of the reverse gear per shaft [1].
+    pub eta_r: [f64; 2],
     /// T_s: torque of a shaft's synchroniser while it rubs, seen at its input shaft [N·m].
     pub t_s: [f64; 2],
     /// i_f1, i_f2 of (8): final-drive ratio per shaft [1].
@@ -159,6 +164,8 @@ impl Params {
         i_r: [0.0, 0.0],
         j_gear: [[0.0; GEARS_PER_SHAFT]; 2],
         j_r: [0.0, 0.0],
+        eta: [[1.0; GEARS_PER_SHAFT]; 2],
+        eta_r: [1.0, 1.0],
         t_s: [100.0, 100.0],
         i_f: [6.0, 4.8],
         j_o: 0.04,
@@ -221,6 +228,23 @@ impl Params {
             return self.j_r.get(shaft).copied().unwrap_or(0.0);
         }
         of_gear(&self.j_gear, shaft, gear)
+    }
+
+    /// η of the gear that is in on a shaft [1]; 1 in neutral; arguments as of [`Self::i_t`].
+    pub fn efficiency(&self, shaft: usize, gear: i32) -> f64 {
+        if gear == Self::REVERSE {
+            return self.eta_r.get(shaft).copied().unwrap_or(1.0);
+        }
+        match of_gear(&self.eta, shaft, gear) {
+            0.0 => 1.0,
+            eta => eta,
+        }
+    }
+
+    /// Whether some gear loses power.
+    pub fn gears_lose_power(&self) -> bool {
+        let mut all = self.eta.as_flattened().iter().chain(&self.eta_r);
+        all.any(|eta| *eta != 1.0)
     }
 
     /// J_ct1, J_ct2 with what the gears that are in add [kg·m²], shape (2).

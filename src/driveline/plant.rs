@@ -51,6 +51,7 @@ use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant_block::Block;
 use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
+use crate::plant_mesh::Meshes;
 use crate::plant_modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
 use crate::shaft::Grade;
@@ -75,6 +76,8 @@ pub struct Plant {
     pub gear: [i32; 2],
     /// Modes of the synchronisers, shape (2): sgn(ω_ci − g_i ω_o) while a gear comes in, otherwise open.
     pub synchroniser: [Mode; 2],
+    /// Loads and direction of gear meshes that lose power.
+    pub meshes: Meshes,
     /// Temperatures of the clutches [K], shape (2).
     pub temperature: [f64; 2],
     /// Work since the start.
@@ -93,6 +96,7 @@ impl Plant {
         brake: Mode::Open,
         gear: [1, 2],
         synchroniser: [Mode::Open; 2],
+        meshes: Meshes::IDEAL,
         temperature: [Thermal::OFF.ambient; 2],
         work: Work {
             engine: 0.0,
@@ -132,6 +136,7 @@ impl Plant {
         let mut place = None;
         let p = p.with_static_friction(&mut place, plant.temperature);
         let (held, none) = (InputRate::default(), Event::default());
+        plant.resolve_meshes(p, &none);
         plant.resolve_brake(p, input, &held, &none);
         plant.resolve(p, systems, input, &held, &none);
         plant
@@ -150,8 +155,8 @@ impl Plant {
         self.step_observed(p, ladders, input, rate, |_, _, _| {});
     }
 
-    /// Like [`Self::step`], and reports every instant at which clutches, brake or synchronisers change
-    /// their modes.
+    /// Like [`Self::step`], and reports every instant at which clutches, brake, synchronisers or the
+    /// output change their modes.
     ///
     /// `report`: called with the time since the start of the step [s] and [`Self::all_modes`] before
     /// and after.
@@ -161,7 +166,7 @@ impl Plant {
         ladders: &mut impl Ladders,
         input: &Input,
         rate: &InputRate,
-        mut report: impl FnMut(f64, [Mode; 5], [Mode; 5]),
+        mut report: impl FnMut(f64, [Mode; 6], [Mode; 6]),
     ) {
         if !self.step_quietly(p, ladders.of(p, self.coupling()), input, rate) {
             self.step_in_blocks(p, ladders, input, rate, &mut report);
@@ -202,7 +207,8 @@ impl Plant {
             }
             let systems = &propagators.systems;
             let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
-            let (crossing, event) = if block.is_quiet(p, rows, self) {
+            let (crossing, event) = if block.is_quiet(p, rows, self) && self.meshes == Meshes::IDEAL
+            {
                 (Crossing::None, Event::default())
             } else {
                 block.events(p, systems, self)
@@ -255,7 +261,7 @@ impl Plant {
         engine - stored - one - two - viscous - synchroniser - load - brake
     }
 
-    /// Takes the modes of brake and clutches that are consistent after `event`.
+    /// Takes the modes of meshes, brake and clutches that are consistent after `event`.
     fn resolve_all(
         &mut self,
         p: &Params,
@@ -264,6 +270,7 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
+        self.resolve_meshes(p, event);
         self.resolve_brake(p, input, rate, event);
         let systems = &ladders.of(p, self.coupling()).systems;
         self.resolve(p, systems, input, rate, event);

@@ -18,6 +18,7 @@ use crate::integrate::{Motion, Rung, Start};
 use crate::plant::Plant;
 use crate::plant_brake;
 use crate::plant_matrices::{Rows, State, Systems, TORQUES, Torques, W, slip};
+use crate::plant_mesh::Meshes;
 use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant_ports::{Input, InputRate};
 use crate::shaft::Grade;
@@ -151,6 +152,12 @@ impl Block {
             })
     }
 
+    /// State and torques at `t` = 0 or at the end [s].
+    pub(crate) fn at(&self, t: f64) -> (State, Torques) {
+        let x = if t > 0.0 { self.x_end } else { self.start.x };
+        (x, self.torques(t))
+    }
+
     /// v at `t` [s] after the start, shape (4).
     fn torques(&self, t: f64) -> Torques {
         Torques::from([0, 1, 2, 3].map(|q| self.start.torque(q) + self.start.ramp(q) * t))
@@ -186,6 +193,15 @@ impl Block {
             event.opened[i] = found[1] && modes[i].direction() != 0.0;
             event.synchronised[i] = found[0] && modes[i] == Mode::Open;
         }
+        if plant.meshes != Meshes::IDEAL {
+            let system = &systems.by_stuck[stuck_set(modes)];
+            let (crossing, reached) = self.mesh_crossing(p, system, plant);
+            event.output_reached = reached;
+            event.mesh = crossing == Crossing::Found;
+            if worst != Crossing::Found && crossing != Crossing::None {
+                worst = crossing;
+            }
+        }
         (worst, event)
     }
 
@@ -196,8 +212,7 @@ impl Block {
     fn guards(&self, p: &Params, systems: &Systems, plant: &Plant, t: f64) -> [[Guard; 2]; 3] {
         let (modes, brake) = (plant.modes, plant.brake);
         let system = &systems.by_stuck[stuck_set(modes)];
-        let (v_dot, v) = (self.torques_rate(), self.torques(t));
-        let x: State = if t > 0.0 { self.x_end } else { self.start.x };
+        let (v_dot, (x, v)) = (self.torques_rate(), self.at(t));
         let rows = &system.rows;
         let mut guards = [[Guard::QUIET; 2]; 3];
         if brake != Mode::Open {

@@ -28,6 +28,8 @@ impl Systems {
             gear: [0; 2],
             synchronising: [false; 2],
             held: false,
+            power: [0; 2],
+            jammed: false,
         },
         rigid_ratio: [0.0; 2],
         ratio: [0.0; 2],

@@ -51,10 +51,11 @@ impl Plant {
         })
     }
 
-    /// Modes of clutch 1, clutch 2, brake, synchroniser 1 and synchroniser 2, shape (5).
-    pub fn all_modes(&self) -> [Mode; 5] {
+    /// Modes of clutch 1, clutch 2, brake, synchroniser 1, synchroniser 2 and of the output in meshes that
+    /// lose power, shape (6).
+    pub fn all_modes(&self) -> [Mode; 6] {
         let ([one, two], [three, four]) = (self.modes, self.synchroniser);
-        [one, two, self.brake, three, four]
+        [one, two, self.brake, three, four, self.meshes.output]
     }
 
     /// Gears that are in, shape (2); 0 in neutral and while a synchroniser rubs.
@@ -68,6 +69,8 @@ impl Plant {
             gear: self.gear,
             synchronising: self.synchroniser.map(|mode| mode != Mode::Open),
             held: self.brake == Mode::Stuck,
+            power: self.meshes.power(),
+            jammed: self.meshes.output == Mode::Stuck,
         }
     }
 

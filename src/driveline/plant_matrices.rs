@@ -4,7 +4,8 @@
 //! x' = A x + B v. An engaged clutch replaces its entry of v by the constraint torque that keeps
 //! d/dt (ω_d − ω_ci) = 0; both engaged is the 2×2 case of the same formula.
 //!
-//! Springs act through the transpose of the row that reads their rate of twist, and inertias through
+//! Springs act through the transpose of the row that reads their rate of twist, but where a gear mesh
+//! loses power (`plant_mesh.rs`), and inertias through
 //! the mobility W = Q (Qᵀ J Q)⁻¹ Qᵀ, where speeds = Q·(free speeds). So the rigid variant, with
 //! ω_ci = g_i ω_o, differs from the compliant one in W alone.
 //!
@@ -101,7 +102,7 @@ pub struct Systems {
     pub by_stuck: [System; 4],
     /// Damper, transfer shafts 1 and 2, drive shaft: rows that read their torque, shape (4, 10).
     pub spring_torque: SMatrix<f64, 4, STATES>,
-    /// Σ c·rate²: power lost in the dampers as a quadratic form of the state, shape (10, 10).
+    /// Power lost in dampers (Σ c·rate²) and gear meshes as a quadratic form of the state, shape (10, 10).
     pub viscous: SMatrix<f64, STATES, STATES>,
     /// Twice the stored energy is Σ `storage` x², shape (10).
     pub storage: State,
@@ -132,7 +133,7 @@ impl Systems {
     /// Matrices of the driveline with what is connected; two gears stand for turning wheels.
     pub fn new(p: &Params, coupling: impl Into<Coupling>) -> Self {
         let coupling = coupling.into();
-        let springs = springs(p, coupling.gear_in());
+        let springs = springs(p, coupling);
         let mobility = mobility(p, coupling);
         let synchroniser_ratio = synchroniser_ratio(p, coupling);
         let (a, b) = open_driveline(&springs, &mobility, synchroniser_ratio);
@@ -147,6 +148,11 @@ impl Systems {
             viscous: viscous(&springs),
             storage: storage(p, coupling, &springs),
         }
+    }
+
+    /// Whether gear meshes lose power, so that [`Self::viscous`] has terms of twists.
+    pub(crate) fn meshes_lose(&self) -> bool {
+        self.coupling.power != [0; 2]
     }
 
     /// Kinetic and elastic energy [J].
@@ -185,6 +191,9 @@ pub(crate) fn mobility(p: &Params, coupling: Coupling) -> SMatrix<f64, SPEEDS, S
     if coupling.held {
         mobility[(W, W)] = 0.0;
     }
+    if coupling.jammed {
+        mobility[(O, O)] = 0.0;
+    }
     if !p.rigid {
         return mobility;
     }
@@ -211,7 +220,7 @@ fn open_driveline(
     let mut a = SMatrix::<f64, STATES, STATES>::zeros();
     let torque = spring_torque(springs);
     for (j, spring) in springs.iter().enumerate() {
-        let acts = mobility * spring.rate;
+        let acts = mobility * spring.act;
         let mut speeds = a.fixed_rows_mut::<SPEEDS>(0);
         speeds -= acts * torque.row(j);
         a.fixed_view_mut::<1, SPEEDS>(TWIST_D + j, 0)

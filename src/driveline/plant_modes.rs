@@ -62,6 +62,10 @@ pub struct Event {
     pub opened: [bool; 2],
     /// A shaft came to the speed of the gear that it is synchronised to, shape (2).
     pub synchronised: [bool; 2],
+    /// A gear mesh that loses power is unloaded, or the output begins or ends to turn in one.
+    pub mesh: bool,
+    /// The output speed came to zero in meshes that lose power.
+    pub output_reached: bool,
     /// The wheel speed came to zero under the brake.
     pub wheel_reached: bool,
     /// The torque on held wheels went beyond what the brake holds.

@@ -71,6 +71,7 @@ impl Plant {
     fn is_plain(&self, p: &Params, input: &Input, rate: &InputRate) -> bool {
         self.brake == Mode::Open
             && self.synchroniser == [Mode::Open; 2]
+            && self.meshes == Meshes::IDEAL
             && input.gear == self.gear
             && input.t_brake <= 0.0
             && p.road.v_eps > 0.0

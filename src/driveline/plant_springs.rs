@@ -4,60 +4,68 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
-use crate::plant_matrices::{C, D, E, O, SPEEDS, STATES, State, TWIST_D, W};
+use crate::plant_matrices::{C, D, E, O, SPEEDS, STATES, State, TWIST_D, TWIST_T, W};
 
-/// One torsional spring-damper: T = k·twist + c·rate, rate = `rate`·speeds.
+/// One torsional spring-damper: T = k·twist + c·rate, rate = `rate`·speeds; it acts on them by −T·`act`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spring {
     pub(crate) rate: SVector<f64, SPEEDS>,
+    /// `rate`, but where a gear mesh between spring and inertia loses power.
+    pub(crate) act: SVector<f64, SPEEDS>,
     k: f64,
     c: f64,
 }
 
 /// Kinetic and elastic energy [J] without a [`Systems`] at hand.
 pub(crate) fn stored_energy(p: &Params, coupling: Coupling, x: &State) -> f64 {
-    let storage = storage(p, coupling, &springs(p, coupling.gear_in()));
+    let storage = storage(p, coupling, &springs(p, coupling));
     0.5 * storage.dot(&x.component_mul(x))
 }
 
-pub(crate) fn springs(p: &Params, gear: [i32; 2]) -> [Spring; 4] {
-    let between = |from: usize, to: usize| {
+impl Spring {
+    /// A spring between two inertias.
+    fn between(from: usize, to: usize, k: f64, c: f64) -> Self {
         let mut rate = SVector::zeros();
         rate[from] = 1.0;
         rate[to] = -1.0;
-        rate
-    };
-    let transfer = |shaft: usize| {
-        let mut rate = SVector::zeros();
-        let i_t = p.i_t(shaft, gear[shaft]);
+        let act = rate;
+        Self { rate, act, k, c }
+    }
+
+    /// A transfer shaft; nothing where it is rigid or in neutral.
+    fn transfer(p: &Params, shaft: usize, gear: i32, power: i8) -> Self {
+        let (mut rate, i_t) = (SVector::zeros(), p.i_t(shaft, gear));
         if p.rigid || i_t == 0.0 {
-            return Spring {
-                rate,
-                k: 0.0,
-                c: 0.0,
-            };
+            let (act, k, c) = (rate, 0.0, 0.0);
+            return Self { rate, act, k, c };
         }
         rate[C + shaft] = 1.0 / i_t;
         rate[O] = -p.i_f[shaft];
-        Spring {
-            rate,
-            k: p.k_t[shaft],
-            c: p.c_t[shaft],
-        }
-    };
+        let mut act = rate;
+        act[O] *= p.mesh_factor(shaft, gear, power);
+        let (k, c) = (p.k_t[shaft], p.c_t[shaft]);
+        Self { rate, act, k, c }
+    }
+
+    /// Torque [N·m] of a transfer shaft from a state, or its rate from the state's rate.
+    fn torque(&self, twist: usize, x: &State) -> f64 {
+        let rate: f64 = (0..SPEEDS).map(|j| self.rate[j] * x[j]).sum();
+        self.k * x[twist] + self.c * rate
+    }
+}
+
+/// T_t1, T_t2 [N·m] of compliant shafts, shape (2), from a state, or their rates from the state's rate.
+pub(crate) fn transfer_torques(p: &Params, gear: [i32; 2], x: &State) -> [f64; 2] {
+    [0, 1].map(|i| Spring::transfer(p, i, gear[i], 0).torque(TWIST_T + i, x))
+}
+
+pub(crate) fn springs(p: &Params, coupling: Coupling) -> [Spring; 4] {
+    let (gear, power) = (coupling.gear_in(), coupling.power);
     [
-        Spring {
-            rate: between(E, D),
-            k: p.k_d,
-            c: p.c_d,
-        },
-        transfer(0),
-        transfer(1),
-        Spring {
-            rate: between(O, W),
-            k: p.k_o,
-            c: p.c_o,
-        },
+        Spring::between(E, D, p.k_d, p.c_d),
+        Spring::transfer(p, 0, gear[0], power[0]),
+        Spring::transfer(p, 1, gear[1], power[1]),
+        Spring::between(O, W, p.k_o, p.c_o),
     ]
 }
 
@@ -71,13 +79,32 @@ pub(crate) fn spring_torque(springs: &[Spring; 4]) -> SMatrix<f64, 4, STATES> {
     rows
 }
 
+/// Power lost in dampers, and in meshes as T (act − rate)·speeds, as a quadratic form of the state.
 pub(crate) fn viscous(springs: &[Spring; 4]) -> SMatrix<f64, STATES, STATES> {
     let mut form = SMatrix::<f64, STATES, STATES>::zeros();
     for spring in springs {
         let mut speeds = form.fixed_view_mut::<SPEEDS, SPEEDS>(0, 0);
         speeds += spring.c * spring.rate * spring.rate.transpose();
     }
+    for (j, spring) in springs.iter().enumerate() {
+        if spring.act != spring.rate {
+            add_mesh_loss(&mut form, spring, TWIST_D + j);
+        }
+    }
     form
+}
+
+fn add_mesh_loss(form: &mut SMatrix<f64, STATES, STATES>, spring: &Spring, twist: usize) {
+    let lost = spring.act - spring.rate;
+    let mut torque = SVector::<f64, STATES>::zeros();
+    torque
+        .fixed_rows_mut::<SPEEDS>(0)
+        .copy_from(&(spring.c * spring.rate));
+    torque[twist] = spring.k;
+    let mut columns = form.fixed_columns_mut::<SPEEDS>(0);
+    columns += 0.5 * torque * lost.transpose();
+    let mut rows = form.fixed_rows_mut::<SPEEDS>(0);
+    rows += 0.5 * lost * torque.transpose();
 }
 
 pub(crate) fn storage(p: &Params, coupling: Coupling, springs: &[Spring; 4]) -> State {

@@ -38,9 +38,10 @@ impl Builder {
         *self = Self::ZERO;
         self.t = t;
         let nodes = gauss();
-        let mut at_nodes = nodes.map(|_| identity());
-        let mut term = first_term(system, t);
-        add_worked(&mut self.columns, &identity(), ratio, [t, 0.5 * t * t]);
+        let mut at_nodes = [IDENTITY; 3];
+        let mut term = [[0.0; STATES]; AUGMENTED];
+        first_term(system, &mut term, t);
+        add_worked(&mut self.columns, &IDENTITY, ratio, [t, 0.5 * t * t]);
         let mut size = 1.0;
         for k in 1..=SERIES_TERMS {
             let order = f64::from(k);
@@ -60,10 +61,15 @@ impl Builder {
             if size < NO_TERM {
                 break;
             }
-            term = next_term(system, &term, t, order + 1.0);
+            advance_term(system, &mut term, t, order + 1.0);
         }
         for ((_, weight), psi) in nodes.iter().zip(&at_nodes) {
-            add_loss(&mut self.loss, &systems.viscous, psi, weight * t);
+            let (loss, viscous) = (&mut self.loss, &systems.viscous);
+            if systems.meshes_lose() {
+                add_loss::<STATES>(loss, viscous, psi, weight * t);
+            } else {
+                add_loss::<SPEEDS>(loss, viscous, psi, weight * t);
+            }
         }
     }
 
@@ -153,23 +159,29 @@ fn transposed(columns: &Columns<ROWS>) -> [[f64; AUGMENTED]; STATES] {
     core::array::from_fn(|i| core::array::from_fn(|j| columns[j][i]))
 }
 
-fn identity() -> Columns<STATES> {
-    core::array::from_fn(|j| core::array::from_fn(|i| f64::from(u8::from(i == j))))
+/// Ψ over no time at all; lies with the constants, not on the stack.
+static IDENTITY: Columns<STATES> = {
+    let (mut identity, mut i) = ([[0.0; STATES]; AUGMENTED], 0);
+    while i < STATES {
+        identity[i][i] = 1.0;
+        i += 1;
+    }
+    identity
+};
+
+/// Fills in t (A B 0): the first term of Ψ − 1.
+fn first_term(system: &System, term: &mut Columns<STATES>, t: f64) {
+    let columns = system.a.data.0.iter().chain(&system.b.data.0);
+    for (term, column) in term.iter_mut().zip(columns) {
+        *term = column.map(|entry| entry * t);
+    }
 }
 
-/// t (A B 0): the first term of Ψ − 1.
-fn first_term(system: &System, t: f64) -> Columns<STATES> {
-    core::array::from_fn(|j| match j {
-        0..STATES => system.a.column(j).into_owned().data.0[0].map(|a| a * t),
-        STATES..RAMP => system.b.column(j - STATES).into_owned().data.0[0].map(|b| b * t),
-        _ => [0.0; STATES],
-    })
-}
-
-/// A term of order k from the one before: A t / k times it; the ramps join at order 2.
-fn next_term(system: &System, term: &Columns<STATES>, t: f64, k: f64) -> Columns<STATES> {
+/// Turns a term into that of the next order k: A t / k times it; the ramps join at order 2.
+#[inline(never)] // its stack is free again when the losses need theirs
+fn advance_term(system: &System, term: &mut Columns<STATES>, t: f64, k: f64) {
     let mut next = [[0.0; STATES]; AUGMENTED];
-    for (next, term) in next.iter_mut().zip(term) {
+    for (next, term) in next.iter_mut().zip(&*term) {
         for (a, entry) in system.a.data.0.iter().zip(term) {
             if *entry != 0.0 {
                 add(next, a, entry * t / k);
@@ -181,7 +193,7 @@ fn next_term(system: &System, term: &Columns<STATES>, t: f64, k: f64) -> Columns
             next[RAMP + q] = term[STATES + q].map(|entry| entry * t / k);
         }
     }
-    next
+    *term = next;
 }
 
 /// Adds the worked speeds of a term to angles and moments, with the factors of both.
@@ -204,18 +216,18 @@ fn add_worked(
     }
 }
 
-/// Adds `weight` ψᵀ V ψ, V the viscous power of the speeds.
-fn add_loss(
+/// Adds `weight` ψᵀ V ψ, V the power lost by the first `N` states.
+#[inline(never)] // its stack is free again when the series needs its own
+fn add_loss<const N: usize>(
     loss: &mut Columns<AUGMENTED>,
     viscous: &SMatrix<f64, STATES, STATES>,
     psi: &Columns<STATES>,
     weight: f64,
 ) {
-    let rows: [[f64; AUGMENTED]; SPEEDS] =
-        core::array::from_fn(|i| core::array::from_fn(|j| psi[j][i]));
+    let rows: [[f64; AUGMENTED]; N] = core::array::from_fn(|i| core::array::from_fn(|j| psi[j][i]));
     for (loss, column) in loss.iter_mut().zip(psi) {
-        let mut power = [0.0; SPEEDS];
-        for (row, entry) in viscous.data.0.iter().zip(&column[..SPEEDS]) {
+        let mut power = [0.0; N];
+        for (row, entry) in viscous.data.0.iter().zip(&column[..N]) {
             add(&mut power, row, entry * weight);
         }
         for (row, power) in rows.iter().zip(power) {

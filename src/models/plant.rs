@@ -4,6 +4,7 @@
 //! states and spring torques depend on states only; what a slipping or engaged clutch carries
 //! depends on the positions at the communication point as well, and the table says so.
 
+mod efficiency;
 mod lining;
 mod losses;
 mod propagation;
@@ -18,17 +19,19 @@ use dct_driveline::jerk::JerkFilter;
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
 use dct_driveline::plant_matrices::{State, W};
+use dct_driveline::plant_mesh::Meshes;
 use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use propagation::{OneStep, Propagation};
 
 /// What has a mode, in the order of `all_modes`.
-const PARTS: [&str; 5] = [
+const PARTS: [&str; 6] = [
     "clutch 1",
     "clutch 2",
     "brake",
     "synchroniser 1",
     "synchroniser 2",
+    "output",
 ];
 
 /// What an importer sets.
@@ -345,6 +348,7 @@ impl Model for Plant {
     fn consistent(&self) -> Result<(), Failure> {
         check_maps(&self.p)?;
         lining::check_curves(&self.p)?;
+        efficiency::check_efficiencies(&self.p)?;
         thermal::check_thermal(&self.p)
     }
 
@@ -356,9 +360,11 @@ impl Model for Plant {
             modes,
             brake,
             synchroniser,
+            meshes: Meshes { load, output },
             ..
         } = &mut self.state;
-        for mode in modes.iter_mut().chain([brake]).chain(synchroniser) {
+        let shafts = synchroniser.iter_mut().chain(load);
+        for mode in modes.iter_mut().chain([brake, output]).chain(shafts) {
             let mut code = *mode as i32;
             fields.integer(&mut code);
             *mode = table::mode(code);

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from hybrid import Simulation
+from meshes import LossySimulation
 from reference_plant import Params, Plant
 from scenarios import Scenario, continuous_pieces, held_pieces
 from shifts import ShiftingSimulation
@@ -44,6 +45,8 @@ class Case:
         """A simulation at its start."""
         params = Params(rigid=self.rigid, **self.params)
         run = self.scenario, self.engine_speed, self.vehicle_speed, stages
+        if params.lossy:
+            return LossySimulation(params, self.gears, *run)
         if len(self.gears) > 1:
             return ShiftingSimulation(params, self.gears, *run)
         return Simulation(Plant(params.in_gears(self.gears[0][1])), *run)

@@ -295,11 +295,15 @@ class Simulation:
             guard = self._guard(i, states, vp, done + grid * prop.h)
             if guard is None:
                 continue
-            tol = TORQUE_TOL if i < LINES and self.mode[i] == ENGAGED else SLIP_TOL
-            bracket = self._bracket(guard, grid, tol, self._probe(i, prop, v, done))
+            probe = self._probe(i, prop, v, done)
+            bracket = self._bracket(guard, grid, self._tolerance(i), probe)
             if bracket is not None:
                 hits.append((bracket, i))
         return min(hits) if hits else None
+
+    def _tolerance(self, i):
+        """Round-off of a guard that starts at zero."""
+        return TORQUE_TOL if i < LINES and self.mode[i] == ENGAGED else SLIP_TOL
 
     def _probe(self, i, prop, v, done):
         def guard(c):

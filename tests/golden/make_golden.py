@@ -19,6 +19,9 @@ FMI_NAMES = {
     "odd_gears": [f"shaft1.gearRatio[{k}]" for k in range(1, 5)],
     "even_gears": [f"shaft2.gearRatio[{k}]" for k in range(1, 5)],
     "i_r": ["shaft1.reverseRatio", "shaft2.reverseRatio"],
+    "odd_eta": [f"shaft1.gearEfficiency[{k}]" for k in range(1, 5)],
+    "even_eta": [f"shaft2.gearEfficiency[{k}]" for k in range(1, 5)],
+    "eta_r": ["shaft1.reverseEfficiency", "shaft2.reverseEfficiency"],
     "t_s": ["shaft1.synchroniserTorque", "shaft2.synchroniserTorque"],
 }
 HEADER = (
@@ -67,8 +70,8 @@ def curve_json(curves):
 
 
 def in_order(events):
-    """Events by time; at one instant clutches, then the brake, then synchronisers."""
-    parts = (1, 2, "brake", "synchroniser 1", "synchroniser 2")
+    """Events by time; at one instant clutches, brake, synchronisers, output."""
+    parts = (1, 2, "brake", "synchroniser 1", "synchroniser 2", "output")
     return sorted(events, key=lambda event: (event["time"], parts.index(event["clutch"])))
 
 

@@ -46,6 +46,10 @@ class Params:
     odd_gears: tuple = (3.0,)  # i_t of gears 1, 3, 5, 7
     even_gears: tuple = (2.4,)  # i_t of gears 2, 4, 6, 8
     i_r: tuple = (0.0, 0.0)  # i_t of reverse, gear -1
+    odd_eta: tuple = (1.0, 1.0, 1.0, 1.0)  # efficiencies of gears 1, 3, 5, 7
+    even_eta: tuple = (1.0, 1.0, 1.0, 1.0)  # of gears 2, 4, 6, 8
+    eta_r: tuple = (1.0, 1.0)
+    eta: tuple = (1.0, 1.0)  # of the gears that are in
     t_s: tuple = (100.0, 100.0)  # [N·m] synchronisers, at the input shafts
     r_n: tuple = (0.095, 0.095)
     mu_k: tuple = (0.26, 0.22)
@@ -72,9 +76,21 @@ class Params:
             return -self.i_r[i]
         return (self.odd_gears, self.even_gears)[i][(gear - i - 1) // 2] if gear else 0.0
 
+    def gear_efficiency(self, i, gear):
+        """Efficiency of a gear on shaft `i` [-]; 1 in neutral."""
+        if gear == -1:
+            return self.eta_r[i]
+        return (self.odd_eta, self.even_eta)[i][(gear - i - 1) // 2] if gear else 1.0
+
     def in_gears(self, gears):
         """The same vehicle with other gears in, shape (2)."""
-        return replace(self, i_t=tuple(self.gear_ratio(i, gears[i]) for i in range(2)))
+        ratios = tuple(self.gear_ratio(i, gears[i]) for i in range(2))
+        return replace(self, i_t=ratios, eta=tuple(map(self.gear_efficiency, (0, 1), gears)))
+
+    @property
+    def lossy(self):
+        """Whether some gear loses power."""
+        return min(*self.odd_eta, *self.even_eta, *self.eta_r) < 1.0
 
     def force(self, i, position):
         """Normal force of clutch `i` [N] at `position` [m], piecewise linear, constant outside."""
@@ -113,10 +129,13 @@ class Plant:
     slip : ndarray, shape (2, n), omega_d - omega_ci
     sliding : ndarray, shape (3, n), the slips and, for the brake, omega_w
     speeds : ndarray, shape (6, n), the six FMI speeds
+
+    `power` is the direction of the power in each shaft's gear: 1 towards the output, -1 from it, 0
+    where it is not counted. `jammed`: the output stands.
     """
 
-    def __init__(self, p: Params, rubbing=(0.0, 0.0)):
-        self.p = p
+    def __init__(self, p: Params, rubbing=(0.0, 0.0), power=(0, 0), jammed=False):
+        self.p, self.power, self.jammed = p, power, jammed
         if p.rigid and 0 in p.i_t:
             raise ValueError("the rigid reference has no neutral")
         names = ["e", "d", "o", "w"] if p.rigid else ["e", "d", "c1", "c2", "o", "w"]
@@ -157,16 +176,25 @@ class Plant:
         # A spring acts on each inertia through the transpose of its own rate row (virtual work).
         moving = self.mass_matrix > 0
         inv = np.where(moving, 1 / np.where(moving, self.mass_matrix, 1.0), 0.0)
+        inv = np.where(self.unit["o"] > 0, 0.0, inv) if self.jammed else inv
         self.inv_mass = inv
         self.a0 = np.zeros((self.n, self.n))
-        for twist, rate, k, c in self.springs:
-            self.a0 += np.outer(twist, rate) - np.outer(inv * rate, k * twist + c * rate)
+        for (twist, rate, k, c), lost in zip(self.springs, self._losses(), strict=True):
+            self.a0 += np.outer(twist, rate) - np.outer(inv * (rate + lost), k * twist + c * rate)
         acts = [self.unit["e"], -self.slip[0], -self.slip[1], -self.unit["w"]]
         acts += [-self.rubs[i] * self.synchronised[i] for i in range(2)]
         self.b0 = inv[:, None] * np.column_stack(acts)
         (td, rd, kd, cd), (to, ro, ko, co) = self.springs[0], self.springs[-1]
         self.damper_row = kd * td + cd * rd
         self.shaft_row = ko * to + co * ro
+
+    def _losses(self):
+        """What is missing of every spring's action on the inertias, per unit of its torque."""
+        none = np.zeros(self.n)
+        if self.p.rigid:
+            return [none] * len(self.springs)
+        missing = [1 - self.p.eta[i] ** self.power[i] for i in range(2)]
+        return [none, *(self.p.i_f[i] * missing[i] * self.unit["o"] for i in range(2)), none]
 
     def energy(self, x):
         """Stored energy [J], kinetic and elastic, of `x` with shape (..., n)."""
@@ -175,8 +203,11 @@ class Plant:
         return kinetic + sum(0.5 * k * (x @ twist) ** 2 for twist, _, k, _ in self.springs)
 
     def damping_power(self, x):
-        """Power lost in the dampers [W] for `x` with shape (..., n)."""
-        return sum(c * (x @ rate) ** 2 for _, rate, _, c in self.springs)
+        """Power lost in dampers and gears [W] for `x` with shape (..., n)."""
+        power = sum(c * (x @ rate) ** 2 for _, rate, _, c in self.springs)
+        for (twist, rate, k, c), lost in zip(self.springs, self._losses(), strict=True):
+            power = power + (x @ (k * twist + c * rate)) * (x @ lost)
+        return power
 
     def start(self, engine_speed, vehicle_speed):
         """Start state: omega_d = omega_e, omega_o = omega_w = V / r_w, twists 0."""

@@ -67,9 +67,13 @@ class ShiftingSimulation(Simulation):
             event = {"time": float(time), "clutch": f"synchroniser {i + 1}", "from": names[0]}
             self.events.append(event | {"to": names[1], "direction": sign})
         self.rub[i] = sign
+        self._connect()
+
+    def _connect(self, **meshes):
+        """Build the plant of the gears that are in or are synchronised."""
         rubbing = tuple(self._ratio(j) if self.rub[j] else 0.0 for j in range(2))
         gears = [0 if self.rub[j] else self.gear[j] for j in range(2)]
-        self.plant = Plant(self.vehicle.in_gears(gears), rubbing)
+        self.plant = Plant(self.vehicle.in_gears(gears), rubbing, **meshes)
         self.systems, self.cache = {}, {}
 
     # ---- motion ----

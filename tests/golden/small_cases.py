@@ -82,6 +82,11 @@ REVERSE = _scenario(
     brake=[(0, 0), (1.9, 0), (2.1, 500), (2.6, 500)],
 )
 GEARBOX = {"odd_gears": (3.0, 1.35, 0.78), "even_gears": (2.4, 1.25, 0.8), "i_r": (0.0, 2.6)}
+LOSSES = {
+    **{"odd_eta": (0.96, 0.97, 0.98, 1.0), "even_eta": (0.965, 0.975, 0.985, 1.0)},
+    "eta_r": (1.0, 0.95),
+}
+ROLL_BACK = {"odd_eta": (0.9, 1.0, 1.0, 1.0), "even_eta": (0.95, 1.0, 1.0, 1.0)}
 _LAUNCH = {"stop": 2.0, "engine_speed": 110.0, "scenario_file": "launch"}
 RISING = ((0.0, 5.0, 20.0, 60.0, 150.0), (0.9, 0.95, 1.0, 1.0, 0.8))  # wet, then it fades
 FALLING = ((0.0, 4.0, 15.0, 40.0, 160.0), (1.12, 1.0, 0.95, 0.97, 0.75))  # Stribeck, then it fades
@@ -122,6 +127,26 @@ SMALL_CASES = (
         gears=((0, (1, -1)), (1.0, (0, -1)), (2.0, (1, -1)), (2.3, (3, 2))),
         params=GEARBOX,
         about="launch in reverse; gear 1, then 3 and 2 at once while rolling backwards",
+    ),
+    Case(
+        *("gearbox_losses", SHIFTS, 2.8, 180.0, 3.0),
+        gears=((0, (1, 0)), (0.1, (1, 2)), (0.9, (3, 2)), (1.9, (3, -1))),
+        **{"params": GEARBOX | LOSSES, "row_every": 5e-3},
+        scenario_file="gearbox",
+        about="1-2-3 with gears that lose power, driving and driven",
+    ),
+    Case(
+        *("reverse_losses", REVERSE, 2.6, 110.0, 0.0),
+        gears=((0, (1, -1)), (1.0, (0, -1)), (2.0, (1, -1)), (2.3, (3, 2))),
+        **{"params": GEARBOX | LOSSES, "row_every": 5e-3},
+        scenario_file="reverse",
+        about="launch in reverse with gears that lose power",
+    ),
+    Case(
+        *("hill_losses", HILL, 3.5, 130.0, 0.0),
+        **{"params": ROLL_BACK, "row_every": 5e-3},
+        scenario_file="hill_start",
+        about="roll-back on 10 %, a stop in jammed gears, then launch; gears lose 10 and 5 %",
     ),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
     Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),

@@ -23,10 +23,10 @@ const COAST: Input = Input {
     ..DRIVE
 };
 
-/// Compliant, rigid, with friction that varies with the slip, with gears that have inertia.
-fn variants() -> [Params; 4] {
-    let [mut plain, mut rigid, mut fades, mut heavy] = [Params::TABLE_1; 4];
-    for p in [&mut plain, &mut rigid, &mut fades, &mut heavy] {
+/// Compliant, rigid, with friction that varies with the slip, with gears that have inertia, that lose power.
+fn variants() -> [Params; 5] {
+    let [mut plain, mut rigid, mut fades, mut heavy, mut lossy] = [Params::TABLE_1; 5];
+    for p in [&mut plain, &mut rigid, &mut fades, &mut heavy, &mut lossy] {
         p.i_t[0] = TWO_ODD_GEARS;
     }
     rigid.rigid = true;
@@ -35,7 +35,8 @@ fn variants() -> [Params; 4] {
         clutch.curve.factor = [1.1, 1.0, 0.9, 0.8, 0.7];
     }
     heavy.j_gear = [[0.02, 0.05, 0.0, 0.0], [0.03, 0.0, 0.0, 0.0]];
-    [plain, rigid, fades, heavy]
+    lossy.eta = [[0.95, 0.97, 1.0, 1.0], [0.96, 1.0, 1.0, 1.0]];
+    [plain, rigid, fades, heavy, lossy]
 }
 
 /// A run that can be gone on with.
@@ -44,7 +45,7 @@ struct Run {
     plant: Plant,
     propagators: Propagators,
     /// Time since the start of the last call of [`Self::go`] at which modes changed [s].
-    changes: Vec<(f64, [Mode; 5])>,
+    changes: Vec<(f64, [Mode; 6])>,
 }
 
 impl Run {

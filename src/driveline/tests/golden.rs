@@ -124,7 +124,7 @@ fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
             &input,
             &rate,
             |offset, before, after| {
-                for i in (0..5).filter(|i| before[*i] != after[*i]) {
+                for i in (0..6).filter(|i| before[*i] != after[*i]) {
                     ours.push(ClutchEvent::new(time + offset, i, before[i], after[i]));
                 }
             },
@@ -169,7 +169,7 @@ macro_rules! held {
 
 held! {
     paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
-    slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold gearbox reverse launch_both launch_h10 launch_h1 launch_h01 last_step
+    slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold gearbox reverse gearbox_losses reverse_losses hill_losses launch_both launch_h10 launch_h1 launch_h01 last_step
     fade_h1 fade_h01 fade_rigid stribeck
 }
 

@@ -1,6 +1,7 @@
 //! The table of `DctPlant`.
 
 use super::Plant;
+use super::efficiency::efficiencies;
 use super::lining::lining;
 use super::losses::LOSSES;
 use super::thermal::{thermal, thermal_outputs};
@@ -22,7 +23,7 @@ pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
     driveline(), road(), compliance(),
     shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
     clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(),
-    thermal::<0>(), thermal::<1>(), START,
+    thermal::<0>(), thermal::<1>(), efficiencies::<0>(), efficiencies::<1>(), START,
 );
 
 /// State of a clutch.

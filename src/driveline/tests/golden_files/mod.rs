@@ -24,7 +24,7 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClutchEvent {
     pub time: f64,
-    /// 0 and 1: a clutch, 2: the brake, 3 and 4: a synchroniser.
+    /// 0 and 1: a clutch, 2: the brake, 3 and 4: a synchroniser, 5: the output in meshes that lose power.
     part: usize,
     from: String,
     to: String,
@@ -137,6 +137,10 @@ impl Case {
                 set(&format!("{shaft}.gearRatio[{}]", k + 1), i_t);
             }
             set(&format!("{shaft}.reverseRatio"), &mut p.i_r[i]);
+            for (k, eta) in p.eta[i].iter_mut().enumerate() {
+                set(&format!("{shaft}.gearEfficiency[{}]", k + 1), eta);
+            }
+            set(&format!("{shaft}.reverseEfficiency"), &mut p.eta_r[i]);
         }
         for (clutch, curve) in p.clutch.iter_mut().zip(self.curves) {
             clutch.curve = curve.unwrap_or(clutch.curve);
@@ -241,10 +245,17 @@ fn events(json: &str) -> Vec<ClutchEvent> {
         .skip(1)
         .map(|event| ClutchEvent {
             time: number(event, "time"),
-            part: ["1", "2", "brake", "synchroniser 1", "synchroniser 2"]
-                .iter()
-                .position(|part| field(event, "clutch") == *part)
-                .unwrap(),
+            part: [
+                "1",
+                "2",
+                "brake",
+                "synchroniser 1",
+                "synchroniser 2",
+                "output",
+            ]
+            .iter()
+            .position(|part| field(event, "clutch") == *part)
+            .unwrap(),
             from: field(event, "from"),
             to: field(event, "to"),
             direction: number(event, "direction"),

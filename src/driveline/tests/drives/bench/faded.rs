@@ -1,4 +1,4 @@
-//! The paper's drive with friction that changes, and on another box.
+//! The paper's drive with friction that changes, with gears that lose power, and on another box.
 
 use super::Scenario;
 use super::scenarios::paper;
@@ -28,6 +28,15 @@ pub fn fading() -> Scenario {
         }
         clutch.thermal = thermal;
     }
+    scenario
+}
+
+/// Every gear loses 2 % of the power; no observer knows.
+pub fn losing() -> Scenario {
+    let mut scenario = paper();
+    scenario.name = "gears lose 2 %".to_string();
+    let efficiencies = scenario.p.eta.as_flattened_mut().iter_mut();
+    efficiencies.for_each(|eta| *eta = 0.98);
     scenario
 }
 

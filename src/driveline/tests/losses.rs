@@ -1,0 +1,140 @@
+//! Gears that lose power: what is left of the torque, which way power flows, and gears that jam.
+
+use dct_driveline::Params;
+use dct_driveline::coupling::Coupling;
+use dct_driveline::integrate::Propagators;
+use dct_driveline::plant::{Input, InputRate, Output, Plant};
+use dct_driveline::plant_matrices::{O, State, Systems, Torques, W, slip};
+use dct_driveline::plant_modes::Mode;
+
+const H: f64 = 1e-3;
+/// What T_v of (11), a ramp over a step, leaves of 10 ms [rad/s]: second order.
+const BY_LOAD: f64 = 2e-4;
+const ETA: [f64; 2] = [0.94, 0.9];
+/// Gear 1 behind clutch 1, the even shaft in neutral.
+const DRIVE: Input = Input {
+    t_e: 60.0,
+    force: [4000.0, 0.0],
+    gear: [1, 0],
+    t_brake: 0.0,
+    phi: 0.0,
+};
+
+fn lossy() -> Params {
+    let mut p = Params::TABLE_1;
+    (p.eta[0][0], p.eta[1][0]) = (ETA[0], ETA[1]);
+    p
+}
+
+/// A plant in gear at `omega_e` [rad/s], after `steps` of 1 ms.
+fn driven(p: &Params, input: &Input, omega_e: f64, steps: u32) -> (Plant, Output) {
+    let v = omega_e / p.g(input.gear)[0] * p.road.r_w;
+    let mut propagators = Propagators::new(p, input.gear, H);
+    let mut plant = Plant::start(p, input, omega_e, v);
+    for _ in 0..steps {
+        plant.step(p, &mut propagators, input, &InputRate::default());
+    }
+    let residual = plant.energy_residual(&propagators.systems);
+    assert!(residual.abs() < 1e-9 * plant.work.engine.abs().max(plant.stored_at_start));
+    let y = plant.outputs(p, &propagators.systems, input);
+    (plant, y)
+}
+
+/// T_o + J_o ω̇_o is what reaches the output; when the swing is over its acceleration is the vehicle's.
+#[test]
+fn a_gear_takes_its_share_of_the_torque_in_either_direction() {
+    let p = lossy();
+    for (t_e, factor, power) in [(60.0, ETA[0], 1), (-40.0, 1.0 / ETA[0], -1)] {
+        let (plant, y) = driven(&p, &Input { t_e, ..DRIVE }, 200.0, 1500);
+        let reached = y.t_o + p.j_o * y.vehicle_acceleration / p.road.r_w;
+        let share = reached / (p.i_f[0] * y.t_t[0]);
+        assert!((share / factor - 1.0).abs() < 1e-4, "{t_e}: {share}");
+        assert_eq!(plant.coupling().power, [power, 0]);
+    }
+}
+
+/// At any instant what is lost beside the dampers is what a gear does not pass on, either way.
+#[test]
+fn the_power_lost_is_what_does_not_arrive() {
+    let p = lossy();
+    let x = State::from([
+        200.0, 198.0, 190.0, 150.0, 10.5, 10.4, 0.03, 2e-3, -1e-3, 0.05,
+    ]);
+    let v = Torques::from([60.0, 40.0, -25.0, 300.0]);
+    for power in [[1, -1], [-1, 1], [1, 0], [-1, -1]] {
+        let coupling = Coupling {
+            power,
+            ..Coupling::from([1, 2])
+        };
+        let systems = Systems::new(&p, coupling);
+        let x_dot = systems.by_stuck[0].derivative(&x, &v);
+        let stored = systems.storage.component_mul(&x).dot(&x_dot);
+        let [one, two] = slip(&x);
+        let given = v[0] * x[0] - v[1] * one - v[2] * two - v[3] * x[W];
+        let lost = (systems.viscous * x).dot(&x);
+        assert!(
+            (given - stored - lost).abs() < 1e-9 * given.abs(),
+            "{power:?}"
+        );
+        let dampers = (Systems::new(&p, [1, 2]).viscous * x).dot(&x);
+        let [_, t_t @ .., _] = systems.spring_torques(&x);
+        let share = |i: usize| match power[i] {
+            1 => 1.0 - ETA[i],
+            -1 => 1.0 - 1.0 / ETA[i],
+            _ => 0.0,
+        };
+        let of = |i: usize| p.i_f[i] * t_t[i] * x[O] * share(i);
+        assert!((lost - dampers - of(0) - of(1)).abs() < 1e-9 * lost.abs());
+    }
+}
+
+/// The brake holds the wheels and the engine winds up the drive shaft: once the output has swung, the gear
+/// jams where it comes to rest, at any torque between η and 1/η of the shaft's.
+#[test]
+fn an_output_that_comes_to_rest_under_load_is_jammed() {
+    let p = lossy();
+    let input = Input {
+        t_brake: 5000.0,
+        force: [1500.0, 0.0],
+        ..DRIVE
+    };
+    let mut propagators = Propagators::new(&p, input.gear, H);
+    let mut plant = Plant::start(&p, &input, 200.0, 0.0);
+    assert_eq!(plant.meshes.output, Mode::Stuck);
+    let mut seen = Vec::new();
+    for _ in 0..1000 {
+        let held = InputRate::default();
+        plant.step_observed(&p, &mut propagators, &input, &held, |_, _, after| {
+            if seen.last() != Some(&after[5]) {
+                seen.push(after[5]);
+            }
+        });
+    }
+    assert!(seen.contains(&Mode::Forward), "{seen:?}");
+    assert_eq!((plant.meshes.output, plant.x[O]), (Mode::Stuck, 0.0));
+    let y = plant.outputs(&p, &propagators.systems, &input);
+    let share = y.t_o / (p.i_f[0] * y.t_t[0]);
+    assert!((ETA[0]..=1.0 / ETA[0]).contains(&share), "{share}");
+    assert!(y.t_o > 100.0 && y.held, "{y:?}");
+}
+
+/// A shaft whose torque passes zero bends, and the other matrices take over where it does.
+#[test]
+fn steps_of_any_size_find_the_same_bend() {
+    let p = lossy();
+    let tip_out = |steps: u32| {
+        let h = 0.4 / f64::from(steps);
+        let mut propagators = Propagators::new(&p, DRIVE.gear, h);
+        let v = 200.0 / p.g(DRIVE.gear)[0] * p.road.r_w;
+        let mut plant = Plant::start(&p, &DRIVE, 200.0, v);
+        for k in 0..steps {
+            let t_e = if k < steps / 2 { 60.0 } else { -40.0 };
+            let input = Input { t_e, ..DRIVE };
+            plant.step(&p, &mut propagators, &input, &InputRate::default());
+        }
+        plant.x
+    };
+    let (fine, coarse) = (tip_out(4000), tip_out(40));
+    let apart = (fine - coarse).amax();
+    assert!(apart < BY_LOAD, "{apart} rad/s");
+}
