@@ -182,7 +182,7 @@ impl Plant {
         ladders: &mut impl Ladders,
         input: &Input,
         rate: &InputRate,
-        report: &mut impl FnMut(f64, [Mode; 5], [Mode; 5]),
+        report: &mut impl FnMut(f64, [Mode; 6], [Mode; 6]),
     ) {
         let (curves, mut place) = (p.friction_varies(), None);
         let p = p.with_static_friction(&mut place, self.temperature);
