@@ -9,6 +9,7 @@ use crate::integrate::{Propagators, Rung};
 use crate::plant::Plant;
 use crate::plant_block::{LOAD, load_ramp, torques};
 use crate::plant_matrices::{C, D, Row, SPEEDS, State, Systems, Torques, W, slip};
+use crate::plant_mesh::Meshes;
 use crate::plant_modes::{Mode, ZERO_SLIP, stuck_set};
 use crate::plant_ports::{Input, InputRate};
 use crate::rung_start::{Entries, RAMPS, TORQUE};

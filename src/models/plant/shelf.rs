@@ -157,6 +157,8 @@ fn same_driveline(one: &Params, other: &Params) -> bool {
         i_r,
         j_gear,
         j_r,
+        eta,
+        eta_r,
         t_s: _,
         i_f,
         j_o,
@@ -171,11 +173,17 @@ fn same_driveline(one: &Params, other: &Params) -> bool {
         == [
             other.j_e, other.j_d, other.k_d, other.c_d, other.j_o, other.k_o, other.c_o, other.j_v,
         ]
-        && [*j_ct, *k_t, *c_t, *i_r, *j_r, *i_f]
+        && [*j_ct, *k_t, *c_t, *i_r, *j_r, *eta_r, *i_f]
             == [
-                other.j_ct, other.k_t, other.c_t, other.i_r, other.j_r, other.i_f,
+                other.j_ct,
+                other.k_t,
+                other.c_t,
+                other.i_r,
+                other.j_r,
+                other.eta_r,
+                other.i_f,
             ]
-        && [*i_t, *j_gear] == [other.i_t, other.j_gear]
+        && [*i_t, *j_gear, *eta] == [other.i_t, other.j_gear, other.eta]
         && *rigid == other.rigid
 }
 
