@@ -36,6 +36,12 @@ def oven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "Oven.fmu"
 
 
+def test_the_model_is_as_short_as_the_readme_says() -> None:
+    (lines,) = re.findall(r"^(\d+) lines:$", README, re.MULTILINE)
+    code = (ROOT / "examples/your_own_fmu/lib.rs").read_text(encoding="utf-8")
+    assert len([line for line in code.splitlines() if line.strip()]) == int(lines) == 40
+
+
 def test_validators_find_nothing(oven: Path) -> None:
     assert validate_fmu(str(oven)) == []
 

@@ -1,64 +1,28 @@
-//! An oven as an FMU: a heated body that loses heat to the room. README.md tells the story.
-//!
-//! C dT/dt = P - G (T - T_room)
+//! An oven as an FMU: C dT/dt = P - G (T - T_room). README.md tells the story.
+use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Unit as U, Variable};
 
-use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Unit as U, Variable as V};
+const J_PER_K: U = U::new("J/K", [1, 2, -2, 0, -1, 0, 0, 0], &[]); // kg, m, s, A, K, mol, cd, rad
+const W_PER_K: U = U::new("W/K", [1, 2, -3, 0, -1, 0, 0, 0], &[]);
 
-/// The oven in SI units: parameters, inputs, the state T, outputs.
-#[derive(Clone)]
-pub struct Oven {
-    capacity: f64,
-    conductance: f64,
-    start: f64,
-    power: f64,
-    room: f64,
-    temperature: f64,
-    loss: f64,
-}
-
-impl Default for Oven {
-    fn default() -> Self {
-        let (start, room, temperature) = (293.15, 293.15, 293.15);
-        let (capacity, conductance, power, loss) = (2e4, 5.0, 0.0, 0.0);
-        Self {
-            capacity,
-            conductance,
-            start,
-            power,
-            room,
-            temperature,
-            loss,
-        }
+fmi2_cosim::variables! {
+    /// The oven: field, role, name, unit, meaning, limits, start value.
+    pub struct Oven {
+        power: input("heater.power", U::WATT, "P").min(0.0) = 0.0,
+        room: input("room.temperature", U::KELVIN, "T_room").min(0.0) = 293.15,
+        capacity: parameter("body.heatCapacity", J_PER_K, "C").min(1e-3) = 2e4,
+        conductance: parameter("wall.conductance", W_PER_K, "G").min(1e-3) = 5.0,
+        start: parameter("body.temperature_start", U::KELVIN, "T(0)").min(0.0) = 293.15,
+        temperature: output("body.temperature", U::KELVIN, "T").depends_on(&[]) = 293.15,
+        loss: output("wall.heatFlow", U::WATT, "G (T - T_room)").depends_on(&["room.temperature"]) = 0.0,
     }
 }
 
-/// Units that the shell does not know yet; exponents of kg, m, s, A, K, mol, cd, rad.
-const J_PER_K: U = U::new("J/K", [1, 2, -2, 0, -1, 0, 0, 0], &[]);
-const W_PER_K: U = U::new("W/K", [1, 2, -3, 0, -1, 0, 0, 0], &[]);
-
-#[rustfmt::skip] // one variable, one line
-const VARIABLES: &[V<Oven>] = &[
-    V::input("heater.power", U::WATT, |m: &mut Oven| &mut m.power, "P").min(0.0),
-    V::input("room.temperature", U::KELVIN, |m: &mut Oven| &mut m.room, "T_room").min(0.0),
-    V::parameter("body.heatCapacity", J_PER_K, |m: &mut Oven| &mut m.capacity, "C").min(1e-3),
-    V::parameter("wall.conductance", W_PER_K, |m: &mut Oven| &mut m.conductance, "G").min(1e-3),
-    V::parameter("body.temperature_start", U::KELVIN, |m: &mut Oven| &mut m.start, "T(0)").min(0.0),
-    V::output("body.temperature", U::KELVIN, |m: &mut Oven| &mut m.temperature, "T").depends_on(&[]),
-    V::output("wall.heatFlow", U::WATT, |m: &mut Oven| &mut m.loss, "G (T - T_room)")
-        .depends_on(&["room.temperature"]),
-];
-
 impl Model for Oven {
+    fmi2_cosim::of_package!();
     const NAME: &'static str = "Oven";
     const DESCRIPTION: &'static str = "A heated body that loses heat to the room";
-    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
-    const VARIABLES: &'static [V<Self>] = VARIABLES;
-    const EXPERIMENT: Experiment = Experiment {
-        start: 0.0,
-        stop: 7200.0,
-        step: 10.0,
-    };
+    const EXPERIMENT: Experiment = Experiment::new(0.0, 7200.0, 10.0);
+    const VARIABLES: &'static [Variable<Self>] = Self::TABLE;
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
         self.temperature = self.start;
@@ -66,9 +30,8 @@ impl Model for Oven {
         Ok(())
     }
 
-    /// Exact while the inputs are held.
     fn step(&mut self, _time: f64, step: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
-        let end = self.room + self.power / self.conductance;
+        let end = self.room + self.power / self.conductance; // exact while inputs are held
         let remains = (-step * self.conductance / self.capacity).exp();
         self.temperature = end + (self.temperature - end) * remains;
         self.update_outputs();

@@ -17,6 +17,7 @@ mod state;
 pub mod unit;
 mod value;
 pub mod variable;
+mod variables;
 
 pub use check::check;
 pub use error::{Error, Status};

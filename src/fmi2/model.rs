@@ -90,6 +90,14 @@ pub struct Experiment {
     pub step: f64,
 }
 
+impl Experiment {
+    /// From a start to a stop time with a communication step, all [s].
+    #[must_use]
+    pub const fn new(start: f64, stop: f64, step: f64) -> Self {
+        Self { start, stop, step }
+    }
+}
+
 /// Visits the hidden state of a model: one method for writing, reading and counting.
 pub trait StateFields {
     /// A real; bit for bit, NaN included.
