@@ -32,7 +32,7 @@ UNSAFE = {
     "tests/fuzz/importer/saved.rs": "random calls with FMU states at that boundary",
     "tests/fuzz/packages.rs": "tells the checker where to unpack",
     "fmu-build/check/native.rs": "loads FMUs of any origin through their C interface",
-    "fmu-build/check/native/abilities.rs": "the functions of that interface that an FMU need not have",
+    "fmu-build/check/native/abilities.rs": "what of that interface an FMU need not have",
 }
 
 # The packages that may depend on each other: every other edge is a hole in a wall.
