@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 
 Told = list[dict[str, Any]]
@@ -21,6 +22,7 @@ UNITS = {
     "instances, own parameters": ("instance, 100 steps", "us", 1e6),
     "threads": ("run", "ms", 1e3),
 }
+LINEAR = ("runs", "steps per second", "instances", "instances, own parameters")
 COLOURS = {"cpu": "#3266ad", "wall": "#b34700", "memory": "#3d8c40"}
 SIZE = (11.0, 11.5)  # inches
 
@@ -45,28 +47,29 @@ def table(points: Told) -> str:
 
 
 def _panel(axes: Any, axis: str, points: Told) -> None:
-    what, unit, factor = UNITS[axis]
-    sizes = [point["size"] for point in points]
+    sizes = np.array([point["size"] for point in points])
+    some = sizes > 0
     for key, label in (("cpu", "CPU time"), ("wall", "time")):
-        values = [point[key] / point["units"] * factor for point in points]
-        axes.plot(sizes, values, "o-", color=COLOURS[key], label=label, markersize=4)
-    axes.set_ylim(bottom=0.0)
-    if axis == "recorded signals":
-        axes.set_xlabel(axis)
-    else:
-        axes.set_xscale("log")
-        axes.set_xlabel(axis)
-    axes.set_ylabel(f"{unit} per {what}")
-    axes.grid(alpha=0.3)
+        values = np.array([point[key] for point in points])
+        axes.plot(sizes[some], values[some], "o-", color=COLOURS[key], label=label, markersize=4)
+    if axis in LINEAR:
+        last = points[-1]
+        straight = last["cpu"] * sizes[some] / last["size"]
+        axes.plot(sizes[some], straight, ":", color="grey", label="in proportion to the last one")
     beside = axes.twinx()
-    memory = [point["memory"] / MIB for point in points]
-    beside.plot(sizes, memory, "s--", color=COLOURS["memory"], markersize=4)
+    memory = np.array([point["memory"] / MIB for point in points])
+    beside.plot(sizes[some], memory[some], "s--", color=COLOURS["memory"], markersize=4)
     beside.set_ylabel("memory [MiB]", color=COLOURS["memory"])
-    beside.set_ylim(bottom=0.0)
+    for side in (axes, beside):
+        side.set_yscale("log")
+    axes.set_xscale("log")
+    axes.set_xlabel(axis)
+    axes.set_ylabel("time [s]")
+    axes.grid(alpha=0.3)
 
 
 def draw(points: Told, out: Path) -> None:
-    """Draw a panel per axis: time of a unit of work, which is level where cost is linear."""
+    """Draw a panel per axis, logarithmic: time, memory, and time in proportion to the work."""
     mpl.rcParams.update({"svg.hashsalt": "growth", "font.size": 9})
     figure = Figure(figsize=SIZE, layout="constrained")
     panels = figure.subplots(3, 2)
@@ -75,8 +78,8 @@ def draw(points: Told, out: Path) -> None:
         axes.set_title(axis)
     handles, labels = panels[0][0].get_legend_handles_labels()
     handles.append(mpl.lines.Line2D([], [], color=COLOURS["memory"], linestyle="--", marker="s"))
-    labels.append("memory, in all")
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    labels.append("memory")
+    figure.legend(handles, labels, loc="outside upper center", ncols=4)
     part = out.with_suffix(".part")
     figure.savefig(part, format="svg", metadata={"Date": None})
     os.replace(part, out)

@@ -93,13 +93,13 @@ impl Run {
         })
     }
 
-    /// Names of the signals that a run of `plan` records, in the order of a row.
+    /// Names of the signals that a run of `plan` records, in the order of a row; opens its FMUs.
     pub fn recorded(plan: &Plan, libraries: &mut Libraries) -> Result<Vec<String>, Error> {
+        let opened = plan.components.iter().map(|c| libraries.open(&c.fmu));
+        let opened: Vec<_> = opened.collect::<Result<_, _>>()?;
         if let Some(record) = &plan.record {
             return Ok(record.clone());
         }
-        let opened = plan.components.iter().map(|c| libraries.open(&c.fmu));
-        let opened: Vec<_> = opened.collect::<Result<_, _>>()?;
         let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
         Ok(world::names(plan, &world::outputs(plan, &descriptions)?))
     }

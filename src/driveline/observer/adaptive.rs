@@ -63,6 +63,8 @@ pub struct Adaptive {
 struct Now {
     levers: [Lever; 2],
     model: Reduced,
+    /// a_1, a_2 of (13), shape (2).
+    a: [f64; 2],
     design: Design,
     /// T_v [N·m].
     t_v: f64,
@@ -177,12 +179,14 @@ impl Adaptive {
         let table = Params::TABLE_1;
         let reference = Reduced::new(&table, lowest_ratios(&table), table.c_o);
         let mut design = design(&model, &reference);
-        let scale = gain_scale(p, &model, &reference);
+        let a = model.a_slip();
+        let scale = gain_scale(p, a, &reference);
         design.l_c = [0, 1].map(|i| design.l_c[i] * scale[i]);
         Now {
             levers: [0, 1].map(|i| Lever::new(p, sample, i)),
             design,
             model,
+            a,
             t_v: 0.0,
         }
     }
@@ -220,7 +224,7 @@ impl Adaptive {
     /// Deviation: the paper has no projection; it is a safety and does not act on its scenario. In a handover a
     /// clutch that slips keeps a friction that was learnt ([`Friction::adapting`]).
     fn adapt(&mut self, now: &Now, mu_n: [f64; 2], h: f64) {
-        let (a, h_twist, e) = (now.model.a_slip(), now.model.h_twist(), self.innovation);
+        let (a, h_twist, e) = (now.a, now.model.h_twist(), self.innovation);
         let Design {
             weight: [p1, p2],
             l_c,
@@ -244,12 +248,13 @@ impl Adaptive {
     /// (19) over one step with the innovation held.
     fn predict(&mut self, settings: &Settings, sample: &Sample, now: &Now, h: f64) {
         let t_c = self.torques(settings, &now.levers).1;
+        let (x_hat, innovation) = (self.x_hat, self.innovation);
         let discrete = self.discrete(&now.model, &now.design.l, h);
-        self.x_hat = discrete.phi * self.x_hat
+        self.x_hat = discrete.phi * x_hat
             + discrete.gamma_u * Vector3::new(sample.t_e, t_c[0], t_c[1])
             + discrete.gamma_delta * now.t_v
             + discrete.gamma_y * sample.t_y
-            + discrete.gamma_l * self.innovation;
+            + discrete.gamma_l * innovation;
     }
 
     /// ε̂ of slipping clutches whose friction is known: μ̂, not ε̂, is what stays while the actuator moves.
@@ -280,20 +285,18 @@ impl Adaptive {
         }
     }
 
-    fn discrete(&mut self, model: &Reduced, l: &SMatrix<f64, 3, 2>, h: f64) -> Discrete {
-        match self.cache {
-            Some(cache) if (cache.model, cache.l, cache.h) == (*model, *l, h) => cache.discrete,
-            _ => {
-                let discrete = model.discrete(l, h);
-                self.cache = Some(Cache {
-                    model: *model,
-                    l: *l,
-                    h,
-                    discrete,
-                });
-                discrete
-            }
+    fn discrete(&mut self, model: &Reduced, l: &SMatrix<f64, 3, 2>, h: f64) -> &Discrete {
+        let known = |cache: &Cache| (&cache.model, &cache.l, cache.h) == (model, l, h);
+        if !self.cache.as_ref().is_some_and(known) {
+            self.cache = None;
         }
+        let made = || Cache {
+            model: *model,
+            l: *l,
+            h,
+            discrete: model.discrete(l, h),
+        };
+        &self.cache.get_or_insert_with(made).discrete
     }
 
     /// μ̂·f [N/m] and T̂_c [N·m] of (23), (24).
@@ -349,7 +352,7 @@ impl Adaptive {
     /// that lasts shows as L11 x̃1 = a_i T̃_ci, one of T_o as L22 x̃2 = b T̃_o.
     fn unexplained(&self, now: &Now) -> ([f64; 2], f64) {
         let [e1, e2]: [f64; 2] = self.innovation.into();
-        let (a, l) = (now.model.a_slip(), now.design.l);
+        let (a, l) = (now.a, now.design.l);
         let t_c = [0, 1].map(|i| {
             if now.levers[i].arm > 0.0 {
                 (l[(0, 0)] * e1 / a[i]).abs()
@@ -366,8 +369,8 @@ impl Adaptive {
 ///
 /// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral, a higher gear or a
 /// lighter gearbox leaves less inertia at the output; the same L_c would lose stability.
-fn gain_scale(p: &Params, model: &Reduced, reference: &Reduced) -> [f64; 2] {
-    let (a, of_table) = (model.a_slip(), reference.a_slip());
+fn gain_scale(p: &Params, a: [f64; 2], reference: &Reduced) -> [f64; 2] {
+    let of_table = reference.a_slip();
     [0, 1].map(|i| {
         let radius = Params::TABLE_1.clutch[i].r_c_n / p.clutch[i].r_c_n;
         let less = (of_table[i] / a[i] * radius).min(1.0);

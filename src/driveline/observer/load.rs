@@ -18,7 +18,7 @@
 
 use crate::Params;
 use crate::observer::lock::Lock;
-use crate::observer::{Sample, Visit, visit_switch};
+use crate::observer::{Sample, Visit, brake, visit_switch};
 use nalgebra::ComplexField;
 
 /// How the load torque is found.
@@ -91,10 +91,10 @@ impl Load {
         lock: &Lock,
         h: f64,
     ) -> f64 {
-        let brake = sample.t_brake * p.road.direction(sample.omega_w);
-        let model = p.road.load_torque(sample.omega_w, sample.phi) + brake;
+        let brake = brake(p, sample);
+        let model = || p.road.load_torque(sample.omega_w, sample.phi) + brake;
         if method == LoadMethod::Grade {
-            return model;
+            return model();
         }
         match lock.alone(p, sample) {
             Some(engaged) => {
@@ -106,7 +106,11 @@ impl Load {
             }
             None => self.running = -1.0,
         }
-        if self.found { self.t_v + brake } else { model }
+        if self.found {
+            self.t_v + brake
+        } else {
+            model()
+        }
     }
 
     /// The shafts that turn with the output at `omega_o` [rad/s] have J_out = `j_out` [kg·m²] now.

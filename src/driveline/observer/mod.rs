@@ -47,7 +47,6 @@ pub use select::{Method, Selected};
 use crate::Params;
 use crate::params::Actuation;
 use lever::Lever;
-use phase::excitation;
 
 /// What a production car measures, at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -234,13 +233,15 @@ fn common_estimate(
     engaged: [bool; 2],
     fault: Option<Fault>,
 ) -> Estimate {
-    let (t_c_map, t_o_map) = map_based(p, settings.mu_n, sample);
+    let force = forces(p, sample);
+    let pressed = force.map(|force| force > 0.0);
+    let (t_c_map, t_o_map) = torques_of(p, settings.mu_n, sample, force);
     Estimate {
         t_c_map,
         t_o_map,
         engaged,
-        excitation: excitation(p, sample),
-        phase: Phase::of(p, sample, engaged),
+        excitation: phase::shown(p, sample, pressed),
+        phase: Phase::from_clutches(pressed, engaged),
         valid: fault.is_none(),
         fault,
         ..Estimate::default()
@@ -251,15 +252,25 @@ fn common_estimate(
 ///
 /// The conventional estimate that Figs. 10 and 12 compare with; it knows no sign of the slip.
 pub fn map_based(p: &Params, mu_n: [f64; 2], sample: &Sample) -> ([f64; 2], f64) {
-    let t_c = [0, 1].map(|i| {
-        let clutch = &p.clutch[i];
-        mu_n[i] * clutch.force(sample.actuation[i]) * clutch.r_c_n
-    });
+    torques_of(p, mu_n, sample, forces(p, sample))
+}
+
+fn torques_of(p: &Params, mu_n: [f64; 2], sample: &Sample, force: [f64; 2]) -> ([f64; 2], f64) {
+    let t_c = [0, 1].map(|i| mu_n[i] * force[i] * p.clutch[i].r_c_n);
     let g = p.g(sample.gear);
     (t_c, g[0] * t_c[0] + g[1] * t_c[1])
 }
 
+/// F_n of both clutches [N], shape (2).
+fn forces(p: &Params, sample: &Sample) -> [f64; 2] {
+    [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]))
+}
+
 /// T_b: brake torque that is measured, against the motion [N·m].
 fn brake(p: &Params, sample: &Sample) -> f64 {
-    sample.t_brake * p.road.direction(sample.omega_w)
+    if sample.t_brake == 0.0 {
+        0.0 // mostly; the direction is a tanh
+    } else {
+        sample.t_brake * p.road.direction(sample.omega_w)
+    }
 }

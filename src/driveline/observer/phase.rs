@@ -22,7 +22,12 @@ pub enum Phase {
 impl Phase {
     /// The phase of a sample, given which clutches are engaged.
     pub fn of(p: &Params, sample: &Sample, engaged: [bool; 2]) -> Self {
-        match pressed(p, sample) {
+        Self::from_clutches(pressed(p, sample), engaged)
+    }
+
+    /// The phase, given which clutches are above their touch point and which are engaged.
+    pub(super) fn from_clutches(pressed: [bool; 2], engaged: [bool; 2]) -> Self {
+        match pressed {
             [false, false] => Self::Open,
             [true, true] => Self::Handover,
             [one, _] if engaged[usize::from(!one)] => Self::Engaged,
@@ -42,7 +47,11 @@ pub fn pressed(p: &Params, sample: &Sample) -> [bool; 2] {
 /// clutch slipping alone is seen fully: 1. Two are told apart by the sine of the angle between d_1 and
 /// d_2. No clutch that slips shows no friction: 0.
 pub fn excitation(p: &Params, sample: &Sample) -> f64 {
-    let pressed = pressed(p, sample);
+    shown(p, sample, pressed(p, sample))
+}
+
+/// As [`excitation`], given which clutches are above their touch point.
+pub(super) fn shown(p: &Params, sample: &Sample, pressed: [bool; 2]) -> f64 {
     let slips = [0, 1].map(|i| pressed[i] && sample.slip()[i].abs() > SLIP);
     match (slips, pressed) {
         ([false, false], _) => 0.0,

@@ -8,6 +8,9 @@ use nalgebra::ComplexField;
 /// 1 ms it stays. Beyond 10 ms what one sample corrects is held, gain · h^`order`: the same power of h
 /// would lose stability before 20 ms.
 pub fn scaled(gain: f64, defaults: [f64; 2], order: u32, h: f64) -> f64 {
+    if h <= 1e-3 {
+        return gain;
+    }
     let decades = ComplexField::log10((h / 1e-3).clamp(1.0, 10.0));
     let beyond = (1e-2 / h).min(1.0);
     let at_step = gain * ComplexField::powf(defaults[1] / defaults[0], decades);

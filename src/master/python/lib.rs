@@ -39,7 +39,7 @@ fn run<'py>(
     let jobs = plans.iter().map(|text| job(text, times, script));
     let jobs: Vec<Job<'_>> = jobs.collect::<PyResult<_>>()?;
     let mut libraries = Libraries::default();
-    // What does not open is told by the run that needs it.
+    // Opened here, once for all threads; what does not open is told by the run that needs it.
     let names = jobs
         .iter()
         .map(|job| Run::recorded(&job.plan, &mut libraries).unwrap_or_default());
