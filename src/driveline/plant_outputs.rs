@@ -16,6 +16,31 @@ impl Plant {
         y
     }
 
+    /// Of [`Self::outputs`] the speeds and the torques T_d and T_o into their places.
+    pub fn write_speeds(&self, systems: &Systems, y: &mut Output) {
+        let x = &self.x;
+        (y.omega_e, y.omega_d, y.omega_c) = (x[E], x[D], [x[C], x[C + 1]]);
+        (y.omega_o, y.omega_w) = (x[O], x[W]);
+        (y.t_d, y.t_o) = (
+            systems.spring_torque_of(0, x),
+            systems.spring_torque_of(3, x),
+        );
+    }
+
+    /// A sum of squares of states and of everything booked: not finite as soon as any of them is not.
+    #[inline(never)] // a function of its own has registers for it
+    pub fn size(&self) -> f64 {
+        let mut lanes = [0.0; 2];
+        for x in self.x.data.0[0].as_chunks::<2>().0 {
+            lanes[0] += x[0] * x[0];
+            lanes[1] += x[1] * x[1];
+        }
+        let [one, two] = self.work.friction;
+        let lost = one + two + self.work.viscous + self.work.synchroniser + self.work.brake;
+        let [warm, hot] = self.temperature;
+        lanes[0] + lanes[1] + (lost + self.work.engine + self.work.load) + (warm + hot)
+    }
+
     /// [`Self::outputs`] into their place.
     pub fn write_outputs(&self, p: &Params, systems: &Systems, input: &Input, y: &mut Output) {
         let (x, held) = (&self.x, self.brake == Mode::Stuck);

@@ -108,17 +108,20 @@ impl Systems {
     ///
     /// Also the rates of these torques, from the rate of the state.
     pub fn spring_torques(&self, x: &State) -> [f64; 4] {
+        [0, 1, 2, 3].map(|j| self.spring_torque_of(j, x))
+    }
+
+    /// One of [`Self::spring_torques`].
+    #[inline(always)]
+    pub(crate) fn spring_torque_of(&self, j: usize, x: &State) -> f64 {
         const PARTNERS: [[usize; 3]; 4] = [
             [E, D, TWIST_D],
             [C, O, TWIST_T],
             [C + 1, O, TWIST_T + 1],
             [O, W, TWIST_O],
         ];
-        let torque = |j: usize| {
-            let entries = PARTNERS[j].map(|i| self.spring_torque[(j, i)] * x[i]);
-            entries[0] + entries[1] + entries[2]
-        };
-        [torque(0), torque(1), torque(2), torque(3)]
+        let entries = PARTNERS[j].map(|i| self.spring_torque[(j, i)] * x[i]);
+        entries[0] + entries[1] + entries[2]
     }
 }
 

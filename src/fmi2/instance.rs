@@ -135,11 +135,13 @@ impl<M: Model> Instance<M> {
         log: &mut Log<'_>,
     ) -> Result<impl Iterator<Item = T> + use<'a, M, T>, Error> {
         self.permit(T::GET)?;
-        let mut computed = false;
+        let (mut computed, mut on_demand) = (false, false);
         for &reference in references {
-            computed |= is_computed(find::<M, T>(M::VARIABLES, reference)?.0);
+            let (row, _) = find::<M, T>(M::VARIABLES, reference)?;
+            computed |= is_computed(row);
+            on_demand |= row.on_demand;
         }
-        if computed {
+        if computed && self.now.stale || on_demand {
             self.refresh(log)?;
         }
         let model = &mut self.now.model;
@@ -279,7 +281,11 @@ impl<M: Model> Instance<M> {
     /// Computes what depends on values that were set since the last computation.
     fn refresh(&mut self, log: &mut Log<'_>) -> Result<(), Error> {
         if !self.now.stale {
-            return Ok(());
+            return if self.now.catch_up() && !M::STEPS_STAY_FINITE {
+                self.demand_finite()
+            } else {
+                Ok(())
+            };
         }
         match self.now.state {
             State::Instantiated | State::Error => return Ok(()),
@@ -296,7 +302,7 @@ impl<M: Model> Instance<M> {
             }
             State::StepComplete | State::Terminated => self.now.model.update_outputs(),
         }
-        self.now.stale = false;
+        (self.now.stale, self.now.late) = (false, false);
         self.demand_finite()
     }
 
@@ -366,5 +372,7 @@ fn derivative<M: Model>(
     })
 }
 
+#[cfg(test)]
+mod on_demand;
 #[cfg(test)]
 mod tests;

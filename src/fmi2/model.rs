@@ -24,8 +24,8 @@ pub trait Model: Clone + Default + Send + 'static {
     /// `DefaultExperiment` of the model description.
     const EXPERIMENT: Experiment;
 
-    /// Whether `initialize` and `step` fail by themselves rather than leave an output that is not finite.
-    /// Else the shell looks at every output after each of them.
+    /// Whether `initialize` and `step` fail by themselves rather than leave an output that is not finite, or will
+    /// not be when it is computed on demand. Else the shell looks at every output after each of them.
     const STEPS_STAY_FINITE: bool = false;
 
     /// Computes the initial state and outputs from parameters, inputs and start values.
@@ -36,13 +36,14 @@ pub trait Model: Clone + Default + Send + 'static {
     fn initialize(&mut self, time: f64, log: &mut Log<'_>) -> Result<(), Failure>;
 
     /// Advances from `time` to `time + step` [s] with the inputs held (plus their rates, where the
-    /// rows have one), and computes all outputs. `step` is finite and > 0; one that an importer reckoned
+    /// rows have one), and computes all outputs but those on demand. `step` is finite and > 0; one that an importer reckoned
     /// as a difference of times comes without its rounding, so that equal steps are equal to the bit.
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure>;
 
-    /// Recomputes the outputs that depend directly on inputs or tunable parameters.
+    /// Recomputes the outputs that depend directly on inputs or tunable parameters, and those on demand.
     ///
-    /// The shell calls it when an importer reads after it has set, without a step in between.
+    /// The shell calls it when an importer reads after it has set, without a step in between, and when it reads
+    /// an output on demand after a step.
     fn update_outputs(&mut self) {}
 
     /// The model computes directional derivatives: [`Self::tangent`] is there.

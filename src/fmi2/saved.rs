@@ -27,6 +27,8 @@ pub struct Saved<M> {
     pub(crate) stop: f64,
     /// Something was set since the outputs were computed.
     pub(crate) stale: bool,
+    /// A step left outputs on demand to be computed.
+    pub(crate) late: bool,
 }
 
 impl<M: Model> Saved<M> {
@@ -38,6 +40,7 @@ impl<M: Model> Saved<M> {
             start: 0.0,
             stop: f64::INFINITY,
             stale: true,
+            late: false,
         }
     }
 
@@ -50,7 +53,9 @@ impl<M: Model> Saved<M> {
     /// As [`Self::to_bytes`], with the table's hash, which takes longer than all the rest, known.
     pub(crate) fn to_bytes_under(&self, guid: u128) -> Vec<u8> {
         let mut payload = Writer(Vec::new());
-        self.clone().visit(&mut payload);
+        let mut all = self.clone();
+        all.catch_up();
+        all.visit(&mut payload);
         let Writer(payload) = payload;
         let mut bytes = header(guid, &payload);
         bytes.extend(payload);
@@ -80,6 +85,17 @@ impl<M: Model> Saved<M> {
         saved.check()?;
         saved.model.restored();
         Ok(saved)
+    }
+
+    /// Computes the outputs on demand that a step left; returns whether there were any.
+    pub(crate) fn catch_up(&mut self) -> bool {
+        let runs = matches!(self.state, State::StepComplete | State::Terminated);
+        let late = self.late && runs;
+        if late {
+            self.model.update_outputs();
+            self.late = false;
+        }
+        late
     }
 
     /// Refuses what no run can leave behind, however well its checksum fits: a model need not stand it.

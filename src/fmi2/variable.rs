@@ -126,8 +126,7 @@ pub struct Variable<M: 'static> {
     pub nominal: Option<f64>,
     /// Outputs: names of the inputs it depends on directly at a communication point.
     pub dependencies: Option<&'static [&'static str]>,
-    /// Outputs and locals: names of the inputs and parameters that its initial value depends on;
-    /// `None`: on all of them.
+    /// Outputs and locals: what their initial value depends on; `None`: on all inputs and parameters.
     pub initial_dependencies: Option<&'static [&'static str]>,
     /// The value.
     pub access: Access<M>,
@@ -135,6 +134,8 @@ pub struct Variable<M: 'static> {
     pub rate: Option<fn(&mut M) -> &mut f64>,
     /// Outputs: where the first time derivative is read (`fmi2GetRealOutputDerivatives`).
     pub slope: Option<fn(&mut M) -> &mut f64>,
+    /// Outputs and locals: `update_outputs` of the model computes it, not `step`.
+    pub on_demand: bool,
 }
 
 impl<M> Clone for Variable<M> {
@@ -167,6 +168,7 @@ impl<M> Variable<M> {
             access,
             rate: None,
             slope: None,
+            on_demand: false,
         }
     }
 
@@ -366,6 +368,12 @@ impl<M> Variable<M> {
     /// The inputs and parameters that an output's initial value depends on.
     pub const fn initially_depends_on(mut self, names: &'static [&'static str]) -> Self {
         self.initial_dependencies = Some(names);
+        self
+    }
+
+    /// Leaves the value to `update_outputs`, which is called before it is read.
+    pub const fn on_demand(mut self) -> Self {
+        self.on_demand = true;
         self
     }
 

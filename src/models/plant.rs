@@ -5,6 +5,7 @@
 //! depends on the positions at the communication point as well, and the table says so.
 
 mod efficiency;
+mod inputs;
 mod lining;
 mod losses;
 mod propagation;
@@ -16,12 +17,12 @@ use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
-use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
 use dct_driveline::plant_matrices::{State, W};
 use dct_driveline::plant_mesh::Meshes;
 use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
+use inputs::Inputs;
 use propagation::{OneStep, Propagation};
 
 /// What has a mode, in the order of `all_modes`.
@@ -33,39 +34,6 @@ const PARTS: [&str; 6] = [
     "synchroniser 2",
     "output",
 ];
-
-/// What an importer sets.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Inputs {
-    /// T_e [N·m].
-    engine_torque: f64,
-    /// θ_m1, θ_m2 [m].
-    position: [f64; 2],
-    /// Pressures of wet clutches [Pa].
-    pressure: [f64; 2],
-    /// Brake torque [N·m].
-    brake_torque: f64,
-    /// φ [rad].
-    grade: f64,
-}
-
-impl Inputs {
-    /// Whether all of them are zero.
-    #[inline(always)]
-    fn is_zero(&self) -> bool {
-        let ([one, two], [three, four]) = (self.position, self.pressure);
-        let values = [
-            self.engine_torque,
-            one,
-            two,
-            three,
-            four,
-            self.brake_torque,
-            self.grade,
-        ];
-        values.iter().fold(0, |bits, value| bits | value.to_bits()) << 1 == 0 // but for signs of zeros
-    }
-}
 
 /// The plant: parameters, inputs, the driveline's state, outputs.
 #[derive(Clone)]
@@ -125,59 +93,6 @@ impl Vehicle for Plant {
 }
 
 impl Plant {
-    /// Inputs of the driveline at the communication point.
-    fn input(&self) -> driveline::Input {
-        driveline::Input {
-            t_e: self.u.engine_torque,
-            force: self.force(self.u.position, self.u.pressure),
-            gear: self.gear,
-            t_brake: self.u.brake_torque,
-            phi: self.u.grade,
-        }
-    }
-
-    /// F_n of both clutches [N].
-    fn force(&self, position: [f64; 2], pressure: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let actuation = Actuation {
-                position: position[i],
-                pressure: pressure[i],
-            };
-            self.p.clutch[i].force(actuation)
-        })
-    }
-
-    /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
-    fn rate(&self, start: &driveline::Input, step: f64) -> InputRate {
-        if self.u_rate.is_zero() {
-            return InputRate::default();
-        }
-        let end = |value: [f64; 2], rate: [f64; 2]| [0, 1].map(|i| value[i] + rate[i] * step);
-        let position = end(self.u.position, self.u_rate.position);
-        let force = self.force(position, end(self.u.pressure, self.u_rate.pressure));
-        InputRate {
-            t_e: self.u_rate.engine_torque,
-            force: [0, 1].map(|i| (force[i] - start.force[i]) / step),
-            t_brake: self.u_rate.brake_torque,
-            phi: self.u_rate.grade,
-        }
-    }
-
-    /// Change of the driveline's inputs for a change `du` of what the importer sets.
-    fn input_change(&self, du: &Inputs) -> InputRate {
-        let actuation = |u: &Inputs, i: usize| Actuation {
-            position: u.position[i],
-            pressure: u.pressure[i],
-        };
-        InputRate {
-            t_e: du.engine_torque,
-            force: [0, 1]
-                .map(|i| self.p.clutch[i].force_rate(actuation(&self.u, i), actuation(du, i))),
-            t_brake: du.brake_torque,
-            phi: du.grade,
-        }
-    }
-
     /// Logs which preselected gears are ignored, each once, and which ones are taken.
     #[cold]
     fn tell_gears(
@@ -244,10 +159,18 @@ impl Plant {
         ];
     }
 
-    /// Refuses to go on with what is no number: every output is a polynomial of these sums' terms.
+    /// Outputs that are there without being asked for: speeds, and torques of springs between them.
+    fn read_speeds(&mut self) {
+        let coupling = self.state.coupling();
+        let systems = self.propagation.systems(&self.p, coupling);
+        self.state.write_speeds(systems, &mut self.y);
+    }
+
+    /// Refuses to go on with what is no number: every output is a sum of products of two of these terms.
     fn check_finite(&self, time: f64) -> Result<(), Failure> {
-        let torques = self.y.t_c[0] + self.y.t_c[1] + self.y.t_v;
-        if (self.state.x.sum() + torques + self.comfort[1] + self.y.energy_residual).is_finite() {
+        let [first, second] = self.jerk_filter.state;
+        let terms = self.state.size() + first + second;
+        if terms.is_finite() {
             return Ok(());
         }
         let variables = [
@@ -318,7 +241,7 @@ impl Model for Plant {
             });
         self.jerk_filter
             .advance(speed, self.speed(), step, self.jerk_time);
-        self.read_outputs(&input);
+        self.read_speeds();
         self.check_finite(time + step)
     }
 

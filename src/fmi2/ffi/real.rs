@@ -24,6 +24,8 @@ const ELSEWHERE: u64 = 1 << 28;
 const COMPUTED: u64 = 1 << 29;
 /// Bit of parameters that do not change after initialisation.
 const FIXED: u64 = 1 << 30;
+/// Bit of what is computed on demand.
+const ON_DEMAND: u64 = 1 << 31;
 /// Where in a word the distance from the start of [`Saved`] begins.
 const DISTANCE: u32 = 32;
 
@@ -48,7 +50,8 @@ pub(crate) const fn most<M: Model>() -> usize {
     }
 }
 
-/// Reads Reals if all references are Reals that have a place; else it does nothing and returns false.
+/// Reads Reals if all references are Reals that have a place, and none waits to be computed; else it does nothing
+/// and returns false.
 #[inline(always)]
 pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &mut [f64]) -> bool {
     let mut words = 0;
@@ -58,7 +61,8 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
         }
         words |= real(saved, reference).word;
     }
-    let plain = words & ELSEWHERE == 0;
+    let waits = words & ON_DEMAND != 0 && saved.late;
+    let plain = words & ELSEWHERE == 0 && !waits;
     if plain {
         for (&reference, value) in references.iter().zip(values).rev() {
             *value = *field(saved, reference);
@@ -120,6 +124,7 @@ impl Real {
     /// The row, with a distance still to be measured.
     const fn of<M>(row: &Variable<M>, index: usize) -> Self {
         let role = match (row.causality, row.variability) {
+            (Causality::Output | Causality::Local, _) if row.on_demand => COMPUTED | ON_DEMAND,
             (Causality::Output | Causality::Local, _) => COMPUTED,
             (Causality::Parameter, Variability::Fixed) => FIXED,
             _ => 0,

@@ -20,7 +20,15 @@ impl<M: Model> Instance<M> {
     /// [`Self::get`] of Reals where that needs no second look; else it does nothing and returns false.
     #[inline(always)]
     pub(crate) fn get_plainly(&mut self, references: &[u32], values: &mut [f64]) -> bool {
-        !self.now.stale && real::get(&mut self.now, references, values)
+        !self.now.stale
+            && (real::get(&mut self.now, references, values)
+                || self.get_on_demand(references, values))
+    }
+
+    /// The same where a step left outputs to be computed.
+    #[inline(never)]
+    fn get_on_demand(&mut self, references: &[u32], values: &mut [f64]) -> bool {
+        M::STEPS_STAY_FINITE && self.now.catch_up() && real::get(&mut self.now, references, values)
     }
 
     /// [`Self::set`] of Reals where that needs no second look; else it does nothing and returns false.
@@ -47,7 +55,7 @@ impl<M: Model> Instance<M> {
             .model
             .step(time, nominal(step), log)
             .map_err(|failure| self.fail(failure))?;
-        (self.now.time, self.now.stale) = (end, false);
+        (self.now.time, self.now.stale, self.now.late) = (end, false, true);
         if M::STEPS_STAY_FINITE {
             Ok(())
         } else {

@@ -16,7 +16,8 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         "Friction power of the brake",
     )
     .slope(|m| &mut m.y.brake_power)
-    .depends_on(&[ports::BRAKE_TORQUE]),
+    .depends_on(&[ports::BRAKE_TORQUE])
+    .on_demand(),
     Variable::output(
         "brake.frictionEnergy",
         U::JOULE,
@@ -24,7 +25,8 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         "Friction energy of the brake since the start",
     )
     .slope(|m| &mut m.y.brake_energy)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
     Variable::output(
         "synchroniser.energy",
         U::JOULE,
@@ -32,7 +34,8 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         "Energy lost in the synchronisers since the start",
     )
     .slope(|m| &mut m.y.synchroniser_energy)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
     Variable::output(
         "energy.residual",
         U::JOULE,
@@ -40,5 +43,6 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
         "Energy balance over the run: work in - stored - lost",
     )
     .slope(|m| &mut m.y.energy_residual)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
 ];

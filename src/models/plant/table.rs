@@ -169,7 +169,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "V = r_w omega_w",
     )
     .slope(|m| &mut m.y.vehicle_speed)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
     Variable::output(
         "vehicle.acceleration",
         U::METRE_PER_SECOND_SQUARED,
@@ -177,7 +178,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "dV/dt",
     )
     .slope(|m| &mut m.y.vehicle_acceleration)
-    .depends_on(LOAD),
+    .depends_on(LOAD)
+    .on_demand(),
     Variable::output(
         "vehicle.filteredAcceleration",
         U::METRE_PER_SECOND_SQUARED,
@@ -185,7 +187,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "dV/dt through 1/(1 + tau s)^2, tau = vehicle.jerkTime",
     )
     .slope(|m| &mut m.comfort[0])
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
     Variable::output(
         "vehicle.jerk",
         METRE_PER_SECOND_CUBED,
@@ -193,13 +196,15 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "Jerk: derivative of the filtered acceleration, (V - 2 V1 + V2)/tau^2",
     )
     .slope(|m| &mut m.comfort[1])
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
     Variable::boolean_output(
         "wheel.held",
         |m: &mut Plant| &mut m.y.held,
         "The wheels stand, and brake or dry rolling resistance holds them",
     )
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
 ];
 
 const TORQUES: [Variable<Plant>; 3] = [
@@ -226,7 +231,8 @@ const TORQUES: [Variable<Plant>; 3] = [
         "T_v of (11) with the brake, positive against forward motion",
     )
     .slope(|m| &mut m.y.t_v)
-    .depends_on(LOAD),
+    .depends_on(LOAD)
+    .on_demand(),
 ];
 
 const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
@@ -252,7 +258,8 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             "T_c of (6), (7): torque through the clutch, positive when the engine drives",
         )
         .slope(|m| &mut m.y.t_c[I])
-        .depends_on(ACTUATORS),
+        .depends_on(ACTUATORS)
+        .on_demand(),
         Variable::output(
             shaft,
             U::NEWTON_METRE,
@@ -260,13 +267,15 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             "T_t of (4), (5): torque of the transfer shaft",
         )
         .slope(|m| &mut m.y.t_t[I])
-        .depends_on(ACTUATORS),
+        .depends_on(ACTUATORS)
+        .on_demand(),
         Variable::boolean_output(
             synchronising,
             |m: &mut Plant| &mut m.y.synchronising[I],
             "The preselected gear is not in yet: its synchroniser rubs",
         )
-        .depends_on(STATES),
+        .depends_on(STATES)
+        .on_demand(),
         Variable::output(
             slip,
             U::RADIAN_PER_SECOND,
@@ -274,14 +283,16 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             "Slip omega_d - omega_c, exactly 0 when engaged",
         )
         .slope(|m| &mut m.y.slip[I])
-        .depends_on(STATES),
+        .depends_on(STATES)
+        .on_demand(),
         Variable::enumeration_output(
             state,
             &CLUTCH_STATE,
             |m: &mut Plant| &mut m.clutch_state[I],
             "State of the clutch",
         )
-        .depends_on(STATES),
+        .depends_on(STATES)
+        .on_demand(),
         Variable::output(
             power,
             U::WATT,
@@ -289,7 +300,8 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             "Friction power in the clutch",
         )
         .slope(|m| &mut m.y.friction_power[I])
-        .depends_on(ACTUATORS),
+        .depends_on(ACTUATORS)
+        .on_demand(),
         Variable::output(
             energy,
             U::JOULE,
@@ -297,7 +309,8 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             "Friction energy in the clutch since the start",
         )
         .slope(|m| &mut m.y.friction_energy[I])
-        .depends_on(STATES),
+        .depends_on(STATES)
+        .on_demand(),
     ]
 }
 

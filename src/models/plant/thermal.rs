@@ -30,7 +30,8 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
             "Temperature of the clutch; without a thermal model that of ambient or oil",
         )
         .slope(|m| &mut m.y.temperature[I])
-        .depends_on(&[]),
+        .depends_on(&[])
+        .on_demand(),
         Variable::output(
             ["clutch1.wear", "clutch2.wear"][I],
             CUBIC_METRE,
@@ -38,7 +39,8 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
             "Volume worn off the lining since the start: specificWear times friction energy",
         )
         .slope(|m| &mut m.y.wear[I])
-        .depends_on(&[]),
+        .depends_on(&[])
+        .on_demand(),
     ]
 }
 

@@ -1,0 +1,93 @@
+//! What an importer sets, and what becomes of it: inputs of the driveline with their rates.
+
+use super::Plant;
+use dct_driveline::params::Actuation;
+use dct_driveline::plant::{self as driveline, InputRate};
+
+/// What an importer sets.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Inputs {
+    /// T_e [N·m].
+    pub(super) engine_torque: f64,
+    /// θ_m1, θ_m2 [m].
+    pub(super) position: [f64; 2],
+    /// Pressures of wet clutches [Pa].
+    pub(super) pressure: [f64; 2],
+    /// Brake torque [N·m].
+    pub(super) brake_torque: f64,
+    /// φ [rad].
+    pub(super) grade: f64,
+}
+
+impl Inputs {
+    /// Whether all of them are zero.
+    #[inline(always)]
+    pub(super) fn is_zero(&self) -> bool {
+        let ([one, two], [three, four]) = (self.position, self.pressure);
+        let values = [
+            self.engine_torque,
+            one,
+            two,
+            three,
+            four,
+            self.brake_torque,
+            self.grade,
+        ];
+        values.iter().fold(0, |bits, value| bits | value.to_bits()) << 1 == 0 // but for signs of zeros
+    }
+}
+
+impl Plant {
+    /// Inputs of the driveline at the communication point.
+    pub(super) fn input(&self) -> driveline::Input {
+        driveline::Input {
+            t_e: self.u.engine_torque,
+            force: self.force(self.u.position, self.u.pressure),
+            gear: self.gear,
+            t_brake: self.u.brake_torque,
+            phi: self.u.grade,
+        }
+    }
+
+    /// F_n of both clutches [N].
+    fn force(&self, position: [f64; 2], pressure: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| {
+            let actuation = Actuation {
+                position: position[i],
+                pressure: pressure[i],
+            };
+            self.p.clutch[i].force(actuation)
+        })
+    }
+
+    /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
+    pub(super) fn rate(&self, start: &driveline::Input, step: f64) -> InputRate {
+        if self.u_rate.is_zero() {
+            return InputRate::default();
+        }
+        let end = |value: [f64; 2], rate: [f64; 2]| [0, 1].map(|i| value[i] + rate[i] * step);
+        let position = end(self.u.position, self.u_rate.position);
+        let force = self.force(position, end(self.u.pressure, self.u_rate.pressure));
+        InputRate {
+            t_e: self.u_rate.engine_torque,
+            force: [0, 1].map(|i| (force[i] - start.force[i]) / step),
+            t_brake: self.u_rate.brake_torque,
+            phi: self.u_rate.grade,
+        }
+    }
+
+    /// Change of the driveline's inputs for a change `du` of what the importer sets.
+    pub(super) fn input_change(&self, du: &Inputs) -> InputRate {
+        let actuation = |u: &Inputs, i: usize| Actuation {
+            position: u.position[i],
+            pressure: u.pressure[i],
+        };
+        InputRate {
+            t_e: du.engine_torque,
+            force: [0, 1]
+                .map(|i| self.p.clutch[i].force_rate(actuation(&self.u, i), actuation(du, i))),
+            t_brake: du.brake_torque,
+            phi: du.grade,
+        }
+    }
+}
