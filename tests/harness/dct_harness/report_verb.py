@@ -6,17 +6,20 @@ import argparse
 from pathlib import Path
 
 from .arguments import Verbs, add_loudness, say, verb
+from .errors import ConfigError
 from .run_verb import KPI_FAILS
+from .sweep_store import PLAN
 
 EXAMPLES = """report target/results/paper_case1 --out target/report
 report target/demo/*
+report target/study/robustness --out target/study_report
 report target/results/paper_case1 --compare-to reference/paper_case1"""
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "report", report, "write an HTML report of result directories", EXAMPLES)
-    parser.add_argument("runs", type=Path, nargs="+", help="result directories")
+    parser.add_argument("runs", type=Path, nargs="+", help="result directories, or that of a study")
     parser.add_argument(
         "--compare-to",
         type=Path,
@@ -25,10 +28,21 @@ def add(verbs: Verbs) -> None:
         metavar="RUN",
         help="earlier runs to overlay",
     )
-    parser.add_argument("--title", default="Closed loop", help="heading of the page")
+    parser.add_argument("--title", help="heading of the page (Closed loop, or that of the study)")
     parser.add_argument("--out", type=Path, default=Path("target/report"),
                         help="folder of the page (target/report)")  # fmt: skip
     add_loudness(parser, "page, verdict and limits")
+
+
+def _study(args: argparse.Namespace) -> int:
+    """Write the page of one study."""
+    from . import report as page
+
+    if len(args.runs) > 1 or args.compare_to:
+        raise ConfigError(f"{args.runs[0]}: is a study; report it alone")
+    path = page.write_study(args.runs[0], args.out, args.title or "")
+    say(args, f"report: {path}", {"page": str(path)})
+    return 0
 
 
 def report(args: argparse.Namespace) -> int:
@@ -36,11 +50,13 @@ def report(args: argparse.Namespace) -> int:
     from . import report as page
     from .report import earlier, runs
 
+    if (args.runs[0] / PLAN).is_file():
+        return _study(args)
     views = runs.load(args.runs)
     if args.compare_to:
         views = earlier.beside(views, args.compare_to)
     verdict, judged = runs.overall(views, runs.pairs(views))
-    path = page.write_views(views, args.out, args.title)
+    path = page.write_views(views, args.out, args.title or "Closed loop")
     limits = [{"run": view.title, **limit} for view, limit in judged]
     say(args, f"report: {path}\nverdict: {verdict}",
         {"page": str(path), "verdict": verdict, "limits": limits})  # fmt: skip

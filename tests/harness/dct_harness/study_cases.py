@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -40,6 +41,11 @@ def jobs(study: Study) -> list[Job]:
             own = [w for f in study.factors for w in _set(f, point[f.name], base)]
             found.append(Job(len(found) + 1, {**point, **labels}, (*words, *own)))
     return found
+
+
+def command(study: Study, job: Job) -> str:
+    """Return the command that repeats a run: same values, same engine, same bits."""
+    return shlex.join(["dct-harness", *map(str, (*study.common, *job.words))])
 
 
 def _set(factor: Factor, value: Value, base: dict[str, float]) -> list[str]:

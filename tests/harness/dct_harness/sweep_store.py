@@ -58,17 +58,7 @@ class Store:
 
     def rows(self) -> dict[int, dict[str, Any]]:
         """Return the rows so far by run number."""
-        if self._arrow is None:
-            return {}
-        arrow, parquet = self._arrow
-        found: dict[int, dict[str, Any]] = {}
-        for path in sorted(self._folder.glob("*.parquet")):
-            try:
-                (row,) = parquet.read_table(path).to_pylist()
-            except (arrow.ArrowException, ValueError, OSError) as error:
-                raise ConfigError(f"{path}: {error}; remove it, its run is repeated") from error
-            found[int(row["run"])] = row
-        return found
+        return {} if self._arrow is None else read_rows(self._out)
 
     def add(self, row: dict[str, Any]) -> None:
         """Keep the row of a finished run; its courses go to a file of their own."""
@@ -86,6 +76,25 @@ class Store:
         part = path.with_suffix(".part")
         self._arrow[1].write_table(table, part)
         os.replace(part, path)
+
+
+def read_rows(out: Path) -> dict[int, dict[str, Any]]:
+    """Return the rows of a sweep's folder by run number.
+
+    Raises
+    ------
+    ConfigError
+        pyarrow is missing, or a file is damaged.
+    """
+    arrow, parquet = _pyarrow(needed=True)
+    found: dict[int, dict[str, Any]] = {}
+    for path in sorted((out / FOLDER).glob("*.parquet")):
+        try:
+            (row,) = parquet.ParquetFile(path).read().to_pylist()
+        except (arrow.ArrowException, ValueError, OSError) as error:
+            raise ConfigError(f"{path}: {error}; remove it, its run is repeated") from error
+        found[int(row["run"])] = row
+    return found
 
 
 def _check(path: Path, study: dict[str, Any]) -> None:
@@ -108,6 +117,8 @@ def _pyarrow(needed: bool) -> Any:
         from pyarrow import parquet
     except ImportError as error:
         if needed:
-            raise ConfigError("--resume needs `pip install 'dct-harness[sweep]'`") from error
+            raise ConfigError(
+                "--resume and reports of studies need `pip install 'dct-harness[sweep]'`"
+            ) from error
         return None
     return pyarrow, parquet

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from . import progress, sampling, study_cases, study_file
+from . import progress, sampling, study_cases, study_file, watch
 from .arguments import Verbs, add_loudness, say, seconds, verb
 from .errors import ConfigError
 from .kpi.table import aligned, number
@@ -94,6 +94,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--fmu-dir", type=Path, help=f"where FMUs are ({Study.fmu_dir})")
     parser.add_argument("--out", type=Path,
                         help="folder of sweep.csv and of kept runs (target/sweep)")  # fmt: skip
+    parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
     parser.add_argument("--keep", action="store_true", help="keep the signals of every run")
     add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
 
@@ -113,8 +114,9 @@ def sweep(args: argparse.Namespace) -> int:
     setup = Setup(study.common, out, args.keep, study.signals, study.every, study.retries)
     varied = [f.name for f in study.factors] + [axis.name for axis in study.axes]
     try:
-        with progress.choose(args.quiet or args.json, unit="run") as shown:
+        with watch.stoppable(), progress.choose(args.quiet or args.json, unit="run") as shown:
             for row in _rows(study, setup, left, files):
+                row["command"] = study_cases.command(study, jobs[row["run"] - 1])
                 store.add(row)
                 known[row["run"]] = row
                 if args.verbose:
@@ -125,6 +127,12 @@ def sweep(args: argparse.Namespace) -> int:
         if rows:
             _write(out / SWEEP_CSV, rows)
     missed = sum(row["verdict"] not in ("pass", "not judged") for row in rows)
+    if args.report:
+        from . import report
+
+        page = report.write_study(out, out / "report")
+        if not (args.quiet or args.json):
+            print(f"report: {page}")
     _say(args, out, _spread(rows, varied, study.kpis), len(rows), missed)
     return KPI_FAILS if missed else 0
 
@@ -196,9 +204,9 @@ def _say(
 
 
 def _write(path: Path, rows: list[Row]) -> None:
-    names = list(dict.fromkeys(name for row in rows for name in row))
+    names = [n for n in dict.fromkeys(name for row in rows for name in row) if n != "command"]
     text = io.StringIO()
-    writer = csv.DictWriter(text, names, lineterminator="\n")
+    writer = csv.DictWriter(text, names, lineterminator="\n", extrasaction="ignore")
     writer.writeheader()
     writer.writerows(rows)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -214,7 +222,7 @@ def _spread(rows: list[Row], varied: list[str], shown: tuple[Shown, ...]) -> lis
     found = []
     for name in names:
         known = [row[name] for row in rows if row.get(name) is not None]
-        if name in ("run", "verdict", "error", *varied) or not known:
+        if name in ("run", "verdict", "error", "command", *varied) or not known:
             continue
         key, signal, *estimate = name.split("/")
         if shown and not any(k.shows(key, signal, "".join(estimate)) for k in shown):

@@ -40,6 +40,20 @@ def interruptible(run: Run) -> Iterator[None]:
 
 
 @contextmanager
+def stoppable() -> Iterator[None]:
+    """Let SIGTERM end a sweep as Ctrl-C does: its processes end with it, rows are kept."""
+
+    def handle(_number: int, _frame: Any) -> None:
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGTERM, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+@contextmanager
 def time_limit(
     run: Run, seconds: float | None, on_hang: Callable[[RunTimeoutError], None]
 ) -> Iterator[None]:

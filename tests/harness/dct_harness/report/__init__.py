@@ -26,11 +26,12 @@ from . import (
     methods,
     runs,
     shaft_model,
+    study_page,
 )
 from .picture import picture
 from .runs import View
 
-__all__ = ["picture", "write", "write_views"]
+__all__ = ["picture", "write", "write_study", "write_views"]
 
 PAGE = "index.html"
 SINGLE = (figures.torques, figures.friction, figures.track)  # what one observer shows
@@ -69,6 +70,16 @@ def write_views(views: list[View], out_dir: str | Path, title: str) -> Path:
     results.write_text(page, _environment().get_template("page.html.j2").render(
         _context(views, title)
     ))  # fmt: skip
+    return page
+
+
+def write_study(folder: str | Path, out_dir: str | Path, title: str = "") -> Path:
+    """Write the page about a study that `dct-harness sweep` has made; see `write`."""
+    page = Path(out_dir) / PAGE
+    page.parent.mkdir(parents=True, exist_ok=True)
+    template = _environment().get_template(study_page.TEMPLATE)
+    told = study_page.context(Path(folder), title)
+    results.write_text(page, template.render(**told, version=__version__))
     return page
 
 
