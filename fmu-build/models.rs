@@ -179,7 +179,8 @@ pub const MODELS: &[Entry] = &[
         .about(about::PLANT)
         .icon(icon::PLANT)
         .parameter_sets(parameters::presets::<Plant>)
-        .smoke(smoke::PLANT),
+        .smoke(smoke::PLANT)
+        .figures(figures::plant),
     Entry::of::<Observer>("dct-observer")
         .terminals(TERMINALS)
         .about(about::OBSERVER)
@@ -192,7 +193,8 @@ pub const MODELS: &[Entry] = &[
         .about(about::CONTROL)
         .icon(icon::CONTROL)
         .parameter_sets(parameters::positions::<ClutchControl>)
-        .smoke(smoke::CONTROL),
+        .smoke(smoke::CONTROL)
+        .figures(figures::control),
 ];
 
 /// Name of the closed loop of all models.

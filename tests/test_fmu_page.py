@@ -85,6 +85,31 @@ def test_the_measured_accuracy_is_that_of_the_readme() -> None:
     assert rows["map-based, no observer"] == [map_based for _, map_based in table]
 
 
+def _accuracy(model: str) -> dict[str, list[str]]:
+    section = _page(model).find(".//section[@id='accuracy']")
+    assert section is not None
+    return {"".join(row[0].itertext()): _texts(row, "td")[1:] for row in section.iter("tr")}
+
+
+def test_the_plants_figures_are_those_of_held_inputs_and_of_rounding() -> None:
+    rows = _accuracy("DctPlant")
+    missed = {float(step): float(rows[step][0]) for step in ("10", "5", "1")}
+    assert rows["0.1"][0] == "reference"
+    for step, percent in missed.items():  # first order in the step that the inputs are held
+        assert percent == pytest.approx(missed[10.0] * step / 10.0, rel=0.15)
+    assert all(float(rows[step][1]) < 1e-6 for step in ("10", "5", "1", "0.1"))
+
+
+def test_the_controls_figures_show_what_the_observer_buys() -> None:
+    rows = _accuracy("DctClutchControl")
+    closed, opened = (
+        [float(cell.split()[0]) for cell in rows[name]]
+        for name in ("with the observer", "map-based, without")
+    )
+    assert len(closed) == 2
+    assert all(a < 0.25 * b for a, b in zip(closed, opened, strict=True))
+
+
 def test_changes_are_those_of_the_change_log() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     changes = _page("DctPlant").find(".//section[@id='changes']")

@@ -1,25 +1,12 @@
-//! Figures of a documentation page that are measured when the page is made, never typed.
-//!
-//! The observer and the control run with the plant over the scenarios of `examples/closed_loop`, here, and
-//! what they miss is counted as `dct-harness` does.
+//! What the observer's methods miss.
 
+use super::{CASES, Figures, STEP, place, rounded};
 use crate::Result;
-use crate::drive::{Loop, Place, Role};
+use crate::drive::{Loop, Place};
 use crate::models::MODELS;
 use crate::smoke::scenario;
 
-/// A table of measured figures.
-pub(crate) struct Figures {
-    pub(crate) caption: String,
-    pub(crate) columns: Vec<&'static str>,
-    pub(crate) rows: Vec<Vec<String>>,
-}
-
-/// Communication step [s].
-const STEP: f64 = 1e-3;
 const TORQUES: [&str; 3] = ["clutch1.torque", "clutch2.torque", "driveShaft.torque"];
-/// Friction that the observer starts from in the paper's cases [1].
-const CASES: [[f64; 2]; 2] = [[0.4, 0.1], [0.1, 0.4]];
 const METHODS: [&str; 5] = ["paper", "lyapunov", "energy", "kalman", "calibrating"];
 
 /// What every method of the observer misses over the paper's scenario.
@@ -46,12 +33,6 @@ pub(crate) fn observer() -> Result<Figures> {
         columns: vec!["method", "believed 0.4, 0.1", "believed 0.1, 0.4"],
         rows,
     })
-}
-
-/// Two significant figures; a whole number from 10 on.
-fn rounded(percent: f64) -> String {
-    let digits = usize::from(percent < 9.95);
-    format!("{percent:.digits$}")
 }
 
 /// Errors of the estimates and of the map-based torques [% of RMS].
@@ -82,12 +63,9 @@ fn errors(method: u8, friction: [f64; 2]) -> Result<[[f64; 3]; 2]> {
 }
 
 fn places(all: &Loop<'_>, at: usize, prefix: &str) -> Vec<Place> {
-    let signals = all.signals(at, Role::Output);
-    let named = TORQUES.map(|torque| format!("{prefix}{torque}"));
-    let place = |name: &String| signals.iter().find(|(found, _)| found == name);
-    named
+    let torques = TORQUES.map(|torque| format!("{prefix}{torque}"));
+    torques
         .iter()
-        .filter_map(place)
-        .map(|(_, place)| *place)
+        .filter_map(|name| place(all, at, name))
         .collect()
 }
