@@ -16,7 +16,10 @@
 
 use crate::Unit;
 
-/// How the shell reaches a variable of model `M`, and its FMI type.
+/// How the shell reaches a variable of model `M`, and its FMI type: to read it as well.
+///
+/// What reaches an input or output points at a field and does nothing else; what reaches a parameter may do
+/// more, e.g. give the model a copy of its own of what it shares with others.
 pub enum Access<M> {
     /// `fmi2Real`.
     Real(fn(&mut M) -> &mut f64),

@@ -9,6 +9,7 @@ mod inputs;
 mod lining;
 mod losses;
 mod propagation;
+mod shared;
 mod shelf;
 mod table;
 mod thermal;
@@ -24,6 +25,7 @@ use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use inputs::Inputs;
 use propagation::{OneStep, Propagation};
+use shared::Shared;
 
 /// What has a mode, in the order of `all_modes`.
 const PARTS: [&str; 6] = [
@@ -38,7 +40,7 @@ const PARTS: [&str; 6] = [
 /// The plant: parameters, inputs, the driveline's state, outputs.
 #[derive(Clone)]
 pub struct Plant {
-    p: Params,
+    p: Shared,
     engine_speed_start: f64,
     vehicle_speed_start: f64,
     /// τ of the jerk's filter [s].
@@ -68,7 +70,7 @@ impl Default for Plant {
             ..Output::default()
         };
         Self {
-            p: Params::TABLE_1,
+            p: Shared::default(),
             engine_speed_start: 0.0,
             vehicle_speed_start: 0.0,
             jerk_time: 0.016,
@@ -207,7 +209,7 @@ impl Model for Plant {
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
         let step = Self::EXPERIMENT.step;
-        self.propagation.clear();
+        self.propagation.begin(&mut self.p);
         let free = self.propagation.of(&self.p, self.gear.into(), step);
         self.state = driveline::Plant::start_with(&self.p, &free.systems, &input, omega_e, v);
         self.find_propagators();
@@ -309,7 +311,7 @@ impl Model for Plant {
     }
 
     fn restored(&mut self) {
-        self.propagation.clear();
+        self.propagation.begin(&mut self.p);
         self.find_propagators();
     }
 }

@@ -4,11 +4,11 @@
 //! `match` with an arm per row. An arm calls the accessor on the very model it is asked about and
 //! measures how far from its start the field lies. Where the accessor does no more than point at a
 //! field, that is a constant, and the compiler turns the whole `match` into a table of numbers. A field
-//! that does not lie in the model itself (in a `Box`, say) and rows beyond the arms have no place here;
-//! they go the ordinary way.
+//! that does not lie in the model itself (in a `Box`, say), parameters and rows beyond the arms have no place
+//! here; they go the ordinary way.
 
 use crate::saved::Saved;
-use crate::{Access, Causality, Model, Variability, Variable};
+use crate::{Access, Causality, Model, Variable};
 use core::mem::{offset_of, size_of};
 use core::ptr::{from_mut, from_ref};
 
@@ -22,10 +22,8 @@ const SUM: u64 = (1 << 28) - 1;
 const ELSEWHERE: u64 = 1 << 28;
 /// Bit of what the model computes.
 const COMPUTED: u64 = 1 << 29;
-/// Bit of parameters that do not change after initialisation.
-const FIXED: u64 = 1 << 30;
 /// Bit of what is computed on demand.
-const ON_DEMAND: u64 = 1 << 31;
+const ON_DEMAND: u64 = 1 << 30;
 /// Where in a word the distance from the start of [`Saved`] begins.
 const DISTANCE: u32 = 32;
 
@@ -94,7 +92,7 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
         sum = sum.wrapping_add(known.word);
     }
     // Bits that are there once add up to what they are together.
-    let plain = words & (ELSEWHERE | COMPUTED | FIXED) == 0 && (words ^ sum) & SUM == 0;
+    let plain = words & (ELSEWHERE | COMPUTED) == 0 && (words ^ sum) & SUM == 0;
     if plain {
         for (&reference, &value) in references.iter().zip(values).rev() {
             *field(saved, reference) = value;
@@ -123,10 +121,9 @@ impl Real {
 
     /// The row, with a distance still to be measured.
     const fn of<M>(row: &Variable<M>, index: usize) -> Self {
-        let role = match (row.causality, row.variability) {
-            (Causality::Output | Causality::Local, _) if row.on_demand => COMPUTED | ON_DEMAND,
-            (Causality::Output | Causality::Local, _) => COMPUTED,
-            (Causality::Parameter, Variability::Fixed) => FIXED,
+        let role = match row.causality {
+            Causality::Output | Causality::Local if row.on_demand => COMPUTED | ON_DEMAND,
+            Causality::Output | Causality::Local => COMPUTED,
             _ => 0,
         };
         let (low, high) = (row.min, row.max);
@@ -144,14 +141,16 @@ impl Real {
 
 type Field<M> = fn(&mut M) -> &mut f64;
 
-/// Accessor and role of a row that is a Real.
+/// Accessor and role of a row that is a Real, but no parameter.
 const fn row<M: Model>(index: usize) -> Option<(Field<M>, Real)> {
     if index >= M::VARIABLES.len() {
         return None;
     }
     let row = &M::VARIABLES[index];
-    match row.access {
-        Access::Real(field) => Some((field, Real::of(row, index))),
+    match (row.access, row.causality) {
+        // To reach a parameter a model may have to do more than to point at it.
+        (_, Causality::Parameter) => None,
+        (Access::Real(field), _) => Some((field, Real::of(row, index))),
         _ => None,
     }
 }
@@ -241,6 +240,7 @@ mod tests {
     const OUTPUT: u32 = 3;
     const INTEGER: u32 = 4;
     const FAR: u32 = 5;
+    const FREE: u32 = 6;
     const ONE_OF_MANY: u32 = 24; // shares its bit with INPUT
     const LAST: u32 = ARMS - 1;
     const BEYOND: u32 = ARMS;
@@ -262,6 +262,7 @@ mod tests {
             rows[3] = Variable::output("", Unit::ONE, |m: &mut Self| &mut m.near[3], "");
             rows[4] = Variable::integer_input("", |m: &mut Self| &mut m.count, "");
             rows[5] = Variable::input("", Unit::ONE, |m: &mut Self| &mut m.far, "");
+            rows[6] = near::<4>();
             rows
         };
 
@@ -279,12 +280,12 @@ mod tests {
     #[test]
     fn a_reference_leads_to_the_field_of_its_row() {
         let mut shelf = Saved::<Shelf>::new();
-        let references = [INPUT, TUNABLE, FIXED, OUTPUT, ONE_OF_MANY, LAST];
-        let mut values = [f64::NAN; 6];
+        let references = [INPUT, FREE, OUTPUT, ONE_OF_MANY, LAST];
+        let mut values = [f64::NAN; 5];
         assert!(get(&mut shelf, &references, &mut values));
-        assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 150.0, 150.0]);
-        assert!(set(&mut shelf, &[TUNABLE, LAST], &[-0.5, 7.0]));
-        assert_eq!(shelf.model.near[..4], [0.0, -0.5, 2.0, 3.0]);
+        assert_eq!(values, [0.0, 4.0, 3.0, 150.0, 150.0]);
+        assert!(set(&mut shelf, &[FREE, LAST], &[-0.5, 7.0]));
+        assert_eq!(shelf.model.near[..5], [0.0, 1.0, 2.0, 3.0, -0.5]);
         assert_eq!(shelf.model.near[150], 7.0);
     }
 
@@ -292,7 +293,16 @@ mod tests {
     fn what_is_no_real_in_the_model_itself_goes_the_ordinary_way() {
         let mut shelf = Saved::<Shelf>::new();
         let mut values = [f64::NAN; 2];
-        for reference in [INTEGER, FAR, BEYOND, BEYOND + 1, BEYOND + 2, u32::MAX] {
+        for reference in [
+            TUNABLE,
+            FIXED,
+            INTEGER,
+            FAR,
+            BEYOND,
+            BEYOND + 1,
+            BEYOND + 2,
+            u32::MAX,
+        ] {
             let references = [INPUT, reference];
             assert!(!get(&mut shelf, &references, &mut values), "{reference}");
             assert!(!set(&mut shelf, &references, &[1.0; 2]), "{reference}");
@@ -312,10 +322,11 @@ mod tests {
     }
 
     #[test]
-    fn inputs_and_tunable_parameters_are_plain_to_set() {
+    fn inputs_are_plain_to_set() {
         for (reference, expected) in [
             (INPUT, true),
-            (TUNABLE, true),
+            (FREE, true),
+            (TUNABLE, false),
             (FIXED, false),
             (OUTPUT, false),
         ] {
@@ -335,13 +346,14 @@ mod tests {
         }
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!plain(&[INPUT], &[value]));
-            assert!(!plain(&[LAST, TUNABLE], &[0.0, value]));
+            assert!(!plain(&[LAST, FREE], &[0.0, value]));
+            assert!(!plain(&[FREE], &[value]));
         }
-        assert!(plain(&[TUNABLE], &[f64::MAX]));
-        for twice in [[INPUT, INPUT], [TUNABLE, TUNABLE], [INPUT, ONE_OF_MANY]] {
+        assert!(plain(&[FREE], &[f64::MAX]));
+        for twice in [[INPUT, INPUT], [FREE, FREE], [INPUT, ONE_OF_MANY]] {
             assert!(!plain(&twice, &[0.0; 2]));
         }
-        let many = [TUNABLE; super::OWN as usize];
+        let many = [FREE; super::OWN as usize];
         assert!((2..=many.len()).all(|count| !plain(&many[..count], &[0.0; 24][..count])));
     }
 }

@@ -1,6 +1,7 @@
 //! Propagators kept between steps: derived from parameters, coupling and step, so no part of the state.
 
 use super::Plant;
+use super::shared::Shared;
 use super::shelf::User;
 use dct_driveline::Params;
 use dct_driveline::coupling::{Coupling, Ladders};
@@ -45,9 +46,10 @@ impl Clone for Propagation {
 }
 
 impl Propagation {
-    /// Forgets what was kept: the parameters may have changed.
-    pub(super) fn clear(&mut self) {
+    /// Forgets what was kept: the parameters may have changed. They are shared from now on.
+    pub(super) fn begin(&mut self, p: &mut Shared) {
         (self.kept, self.latest) = (Default::default(), 0);
+        self.user.get_or_insert_with(User::new).share(p);
     }
 
     /// Sees that steps of other sizes than those kept allocate nothing.

@@ -1,10 +1,12 @@
 //! Propagators shared by all plants of a library: whoever has the same driveline and step finds them here.
+//! So are parameters (`shared.rs`).
 //!
 //! They are derived data, immutable while anybody holds them, and found by value, so no run can tell
 //! whether they were shared. The shelf holds those in use and a few others: the last ones that were
 //! used, or room for a step size that is new in the middle of a run, which may not allocate. With the
 //! last plant that uses it the shelf is emptied.
 
+use super::shared::{Sets, Shared};
 use dct_driveline::Params;
 use dct_driveline::coupling::Coupling;
 use dct_driveline::integrate::Propagators;
@@ -19,6 +21,7 @@ static SHELF: Mutex<Shelf> = Mutex::new(Shelf {
     users: 0,
     clock: 0,
     entries: Vec::new(),
+    sets: Sets::EMPTY,
 });
 
 struct Shelf {
@@ -27,6 +30,8 @@ struct Shelf {
     /// Counts what was asked for.
     clock: u64,
     entries: Vec<Entry>,
+    /// The parameters that plants have.
+    sets: Sets,
 }
 
 struct Entry {
@@ -62,7 +67,7 @@ impl Drop for User {
         let mut shelf = lock();
         shelf.users -= 1;
         if shelf.users == 0 {
-            shelf.entries = Vec::new();
+            (shelf.entries, shelf.sets) = (Vec::new(), Sets::EMPTY);
         }
     }
 }
@@ -91,6 +96,11 @@ impl User {
         let found = entry.built(p, coupling, h, now);
         shelf.entries.push(entry);
         found
+    }
+
+    /// Makes parameters those of another plant, if they are equal; not for the middle of a run: it allocates.
+    pub(super) fn share(&self, p: &mut Shared) {
+        lock().sets.share(p);
     }
 
     /// Sees again that there is room for new step sizes; not for the middle of a run: it allocates.
@@ -128,6 +138,11 @@ impl Entry {
         }
         Arc::clone(&self.propagators)
     }
+}
+
+/// A copy of parameters that nobody else has.
+pub(super) fn fresh(p: &Params) -> Arc<Params> {
+    lock().sets.fresh(p)
 }
 
 /// The parameters that propagators depend on; friction and road are the same in all.
