@@ -42,7 +42,8 @@ def test_the_paper_preset_is_where_the_plant_starts() -> None:
     values = parameters.read(SETS / "paper_plant.ssv")
     assert {name: found[name]["value"] for name in values} == values
     left = set(found) - set(values)
-    assert left == {"engine.speed_start", "vehicle.speed_start"}
+    assert all(name.endswith("_start") for name in left)
+    assert {"engine.speed_start", "vehicle.speed_start", "clutch1.temperature_start"} <= left
 
 
 def test_pressure_starts_the_wet_box_on_a_hill_without_roll_back(tmp_path: Path) -> None:

@@ -50,6 +50,7 @@ use crate::Params;
 use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant_block::Block;
+use crate::plant_friction::longest_varying;
 use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant_mesh::Meshes;
 use crate::plant_modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
@@ -59,9 +60,6 @@ use crate::thermal::Thermal;
 
 /// Events one step may hold; beyond them its rest is one smooth piece.
 const MAX_EVENTS: u32 = 32;
-
-/// Level of the longest block while friction varies: a quarter of the communication step.
-const VARYING: usize = LADDER - 1;
 
 /// Everything a run carries from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,7 +126,7 @@ impl Plant {
         let mut plant = Self {
             x,
             gear: input.gear,
-            temperature: [0, 1].map(|i| p.clutch[i].thermal.ambient),
+            temperature: [0, 1].map(|i| p.clutch[i].thermal.at_start()),
             stored_at_start: systems.stored_energy(&x),
             grade: Grade::LEVEL.at(input.phi),
             ..Self::AT_REST
@@ -197,7 +195,11 @@ impl Plant {
         while done < TICKS {
             let propagators = ladders.of(p, self.coupling());
             let varies = curves && self.modes.map(Mode::direction) != [0.0; 2];
-            let longest = if varies { VARYING } else { LADDER };
+            let longest = if varies {
+                longest_varying(propagators.h)
+            } else {
+                LADDER
+            };
             let level = level(done - piece, TICKS - done).min(cap).min(longest);
             let rung = propagators.rung(stuck_set(self.modes), level);
             let (block, settled) = Block::over(p, self, rung, &now, &rate, varies);

@@ -3,13 +3,14 @@
 //! Over a block the friction torque of a slipping clutch is a ramp, like the load. The ramps are those
 //! that meet μ_k φ(|slip|) θ(T) F_n r_c N, T as the friction power at the start makes it, and (11) at both ends of the block, found together by Newton's method
 //! on the exact motion of the rung: second order in the block, as slip and friction bend within it by
-//! the square of its length. Blocks are a quarter of the communication step at most, and one that is long
+//! the square of its length. Blocks are a quarter of the communication step and 1 ms at most, and one that is long
 //! beside the time in which friction answers to slip is refused: the ladder takes a shorter one.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::Params;
 use crate::integrate::Rung;
+use crate::integrate::{LADDER, TICKS, ticks};
 use crate::params::ClutchParams;
 use crate::plant::Plant;
 use crate::plant_block::Block;
@@ -24,8 +25,20 @@ const SETTLED: f64 = 1e-10;
 /// Largest share of its own cause by which friction answers to slip within a block [1]: half of λ h, with
 /// λ the rate at which slip and friction follow each other.
 const ANSWER: f64 = 0.25;
+/// Longest block while friction varies [s]: where a curve bends a ramp across the bend is a few 10⁻³ of the
+/// torque off over 1 ms, and the square of it over more.
+const LONGEST: f64 = 1e-3;
 /// First torque that may follow the slip, T_c1; T_c2 and T_v come next.
 const FIRST: usize = 1;
+
+/// Level of the longest block while friction varies: a quarter of the communication step `h` [s], or less.
+pub(crate) fn longest_varying(h: f64) -> usize {
+    let span = |level: usize| h * f64::from(ticks(level)) / f64::from(TICKS);
+    (0..LADDER)
+        .rev()
+        .find(|level| span(*level) <= LONGEST)
+        .unwrap_or(0)
+}
 
 impl Params {
     /// Whether the friction of a slipping clutch is anything but μ_k.

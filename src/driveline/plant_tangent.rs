@@ -235,6 +235,7 @@ mod tests {
             capacity: 2.0,
             conductance: 1.0,
             ambient: 300.0,
+            start: 0.0,
             temperature: [250.0, 400.0, 500.0, 600.0],
             factor: [1.0, 0.5, 0.4, 0.3],
         };

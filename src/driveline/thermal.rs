@@ -34,8 +34,10 @@ pub struct Thermal {
     pub capacity: f64,
     /// G: conductance to ambient or oil [W/K].
     pub conductance: f64,
-    /// T_a: temperature of ambient or oil, and of the clutch at the start [K].
+    /// T_a: temperature of ambient or oil [K].
     pub ambient: f64,
+    /// Temperature of the clutch at the start [K]; 0: that of ambient.
+    pub start: f64,
     /// Temperatures of the points of θ [K], shape (FADE_POINTS), ascending strictly, or all 0: θ is 1.
     pub temperature: [f64; FADE_POINTS],
     /// θ [1], shape (FADE_POINTS), ≥ 0.
@@ -48,6 +50,7 @@ impl Thermal {
         capacity: 0.0,
         conductance: 0.0,
         ambient: 293.15,
+        start: 0.0,
         temperature: [0.0; FADE_POINTS],
         factor: [1.0; FADE_POINTS],
     };
@@ -55,6 +58,15 @@ impl Thermal {
     /// Whether the node is there.
     pub const fn is_on(&self) -> bool {
         self.capacity > 0.0
+    }
+
+    /// Temperature [K] at the start of a run.
+    pub const fn at_start(&self) -> f64 {
+        if self.is_on() && self.start > 0.0 {
+            self.start
+        } else {
+            self.ambient
+        }
     }
 
     /// θ [1] and dθ/dT [1/K] at a temperature [K].

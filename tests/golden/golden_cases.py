@@ -9,6 +9,7 @@ from meshes import LossySimulation
 from reference_plant import Params, Plant
 from scenarios import Scenario, continuous_pieces, held_pieces
 from shifts import ShiftingSimulation
+from thermal import HeatedSimulation
 
 LONGEST = 1e-3  # [s] longest smooth piece; see README.md for the error this leaves
 
@@ -49,7 +50,8 @@ class Case:
             return LossySimulation(params, self.gears, *run)
         if len(self.gears) > 1:
             return ShiftingSimulation(params, self.gears, *run)
-        return Simulation(Plant(params.in_gears(self.gears[0][1])), *run)
+        kind = Simulation if params.heat is None else HeatedSimulation
+        return kind(Plant(params.in_gears(self.gears[0][1])), *run)
 
 
 def mm(*knots):

@@ -28,7 +28,9 @@ HEADER = (
     *("time", "engine.speed", "damper.speed", "clutch1.speed", "clutch2.speed", "output.speed"),
     *("wheel.speed", "damper.torque", "clutch1.torque", "clutch2.torque", "driveShaft.torque"),
     *("load.torque", "clutch1.state", "clutch2.state", "wheel.held"),
+    *("clutch1.temperature", "clutch2.temperature"),
 )
+STATES = slice(12, 15)  # columns of integers
 
 
 def run_case(case, longest=None, stages=None):
@@ -42,12 +44,14 @@ def run_case(case, longest=None, stages=None):
 
 def format_row(row):
     """Text fields of one row: time and values with 14 digits, states as integers."""
-    return [f"{float(x):.14g}" for x in row[:-3]] + [str(int(x)) for x in row[-3:]]
+    fields = [f"{float(x):.14g}" for x in row]
+    fields[STATES] = [str(int(x)) for x in row[STATES]]
+    return fields
 
 
 def write_rows(path, rows, brakes):
-    """Write a golden CSV, one column per `HEADER`, the last one where the wheels are braked."""
-    count = len(HEADER) - (not brakes)
+    """Write a golden CSV, columns of `HEADER`: those of rows, wheel.held only if braked or hot."""
+    count = len(rows[0]) - (not brakes and len(rows[0]) == STATES.stop)
     with path.open("w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
         out.writerow(HEADER[:count])
@@ -69,6 +73,20 @@ def curve_json(curves):
     }
 
 
+def heat_json(heat):
+    """FMI parameters of the thermal nodes of both clutches."""
+    out = {}
+    for i, node in enumerate(heat):
+        clutch = f"clutch{i + 1}"
+        out[f"{clutch}.temperature_start"] = node["start"]
+        for name in ("capacity", "conductance", "ambient"):
+            out[f"{clutch}.thermal.{name}"] = node[name]
+        for name in ("temperature", "factor"):
+            points = enumerate(node[name], start=1)
+            out |= {f"{clutch}.thermal.{name}[{k}]": value for k, value in points}
+    return out
+
+
 def in_order(events):
     """Events by time; at one instant clutches, brake, synchronisers, output."""
     parts = (1, 2, "brake", "synchroniser 1", "synchroniser 2", "output")
@@ -80,7 +98,8 @@ def case_json(case, params):
     changed = {"transmission.rigid": True} if case.rigid else {}
     for name, value in case.params.items():
         named = zip(FMI_NAMES.get(name, ()), np.atleast_1d(value).tolist(), strict=False)
-        changed |= curve_json(value) if name == "curves" else dict(named)
+        special = {"curves": curve_json, "heat": heat_json}
+        changed |= special[name](value) if name in special else dict(named)
     odd, even = case.gears[0][1]
     shifts = [{"time": t, "shaft1": a, "shaft2": b} for t, (a, b) in case.gears[1:]]
     return {

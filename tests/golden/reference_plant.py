@@ -63,6 +63,7 @@ class Params:
     g: float = 9.81
     v_eps: float = 0.05  # 0: rolling resistance is dry friction
     maps_mm: tuple = field(default=PAPER_MAPS_MM)
+    heat: tuple | None = None  # per clutch a thermal node, see thermal.py
     curves: tuple = (None, None)  # per clutch (|slip| [rad/s], factor on mu_k), or no table
 
     @property

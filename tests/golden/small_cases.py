@@ -94,6 +94,15 @@ _FADE = {
     **{"stop": 2.5, "engine_speed": 95.0, "scenario_file": "launch_both"},
     "params": {"curves": (RISING, FALLING)},
 }
+THETA = {"temperature": (300.0, 400.0, 500.0, 600.0), "factor": (1.0, 0.9, 0.7, 0.5)}
+HOT = (  # linings so light that one launch takes a third of their friction
+    {"capacity": 60.0, "conductance": 20.0, "ambient": 300.0, "start": 350.0, **THETA},
+    {"capacity": 40.0, "conductance": 5.0, "ambient": 300.0, "start": 300.0, **THETA},
+)
+_HOT = {
+    **{"stop": 3.2, "engine_speed": 95.0, "scenario_file": "launch_both"},
+    "params": {"curves": (RISING, FALLING), "heat": HOT},
+}
 SMALL_CASES = (
     Case("tie_up", TIE_UP, 2.4, 9.0, 0.15, about="both clutches close at low speed, stop, reopen"),
     Case("tie_up_rigid", TIE_UP, 2.4, 9.0, 0.15, rigid=True, about="tie-up of the rigid plant"),
@@ -157,6 +166,9 @@ SMALL_CASES = (
     Case("fade_h1", BOTH, **_FADE, about="friction over slip, held 1 ms"),
     Case("fade_h01", BOTH, **_FADE, h=1e-4, about="friction over slip, held 0.1 ms"),
     Case("fade_rigid", BOTH, **_FADE, rigid=True, about="friction over slip, rigid plant"),
+    Case("hot_h10", BOTH, **_HOT, h=1e-2, row_every=1e-2, about="fade by heat, held 10 ms"),
+    Case("hot_h1", BOTH, **_HOT, row_every=1e-2, about="fade by heat and slip, held 1 ms"),
+    Case("hot_h01", BOTH, **_HOT, h=1e-4, row_every=1e-2, about="fade by heat, held 0.1 ms"),
     Case(
         *("stribeck", BREAK_AWAY, 2.0, 240.0, 4.0),
         **{"scenario_file": "break_away", "params": {"curves": (FALLING, None)}},

@@ -22,6 +22,7 @@ fn params(conductance: f64) -> Params {
             capacity: 15.0,
             conductance,
             ambient: 300.0,
+            start: 0.0,
             temperature: [300.0, 400.0, 500.0, 600.0],
             factor: [1.0, 0.9, 0.7, 0.5],
         };
@@ -96,7 +97,7 @@ fn a_hot_lining_slips_with_less_friction() {
     assert!(least < 0.8, "{least}");
 }
 
-/// Speeds and temperatures of the launch at one time while it slips, in steps of 8, 4, 2 ms and a fine one.
+/// Speeds and temperatures of the launch at one time while it slips, in steps of 4, 2, 1 ms and a fine one.
 #[test]
 fn fade_by_heat_converges_with_second_order() {
     let p = params(10.0);
@@ -118,9 +119,20 @@ fn fade_by_heat_converges_with_second_order() {
             .into_iter()
             .fold(0.0, f64::max)
     };
-    let misfits = [8e-3, 4e-3, 2e-3].map(misfit);
+    let misfits = [4e-3, 2e-3, 1e-3].map(misfit);
     for pair in misfits.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!(order >= 1.8, "order {order} from {misfits:?}");
     }
+}
+
+#[test]
+fn a_clutch_starts_as_hot_as_it_is_said_to_be() {
+    let mut p = params(10.0);
+    p.clutch[0].thermal.start = 550.0;
+    let plant = Plant::start(&p, &LAUNCH, 120.0, 0.0);
+    assert_eq!(plant.temperature, [550.0, 300.0]);
+    let y = plant.outputs(&p, &Propagators::new(&p, GEAR, 1e-3).systems, &LAUNCH);
+    let friction = p.clutch[0].mu_k * 0.6 * LAUNCH.force[0] * p.clutch[0].r_c_n;
+    assert!((y.t_c[0] - friction).abs() < 1e-9, "{}", y.t_c[0]);
 }

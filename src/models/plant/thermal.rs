@@ -20,6 +20,8 @@ const FACTOR: [[&str; FADE_POINTS]; 2] = [
     indexed!("clutch2.thermal.factor": 1, 2, 3, 4),
 ];
 
+const START: [&str; 2] = ["clutch1.temperature_start", "clutch2.temperature_start"];
+
 /// What clutch `I` shows of heat and wear.
 pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
     [
@@ -45,7 +47,7 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
 }
 
 /// Heat, cooling, fade and wear of clutch `I`.
-pub(super) const fn thermal<const I: usize>() -> [Variable<Plant>; 4 + 2 * FADE_POINTS] {
+pub(super) const fn thermal<const I: usize>() -> [Variable<Plant>; 5 + 2 * FADE_POINTS] {
     [
         Variable::parameter(
             ["clutch1.thermal.capacity", "clutch2.thermal.capacity"][I],
@@ -65,7 +67,14 @@ pub(super) const fn thermal<const I: usize>() -> [Variable<Plant>; 4 + 2 * FADE_
             ["clutch1.thermal.ambient", "clutch2.thermal.ambient"][I],
             Unit::KELVIN,
             |m: &mut Plant| &mut m.p.clutch[I].thermal.ambient,
-            "Temperature of ambient or oil, and of the clutch at the start",
+            "Temperature of ambient or oil",
+        )
+        .min(0.0),
+        Variable::parameter(
+            START[I],
+            Unit::KELVIN,
+            |m: &mut Plant| &mut m.p.clutch[I].thermal.start,
+            "Temperature of the clutch at the start; 0: that of ambient",
         )
         .min(0.0),
         Variable::parameter(
@@ -111,6 +120,10 @@ pub(super) fn check_thermal(p: &Params) -> Result<(), Failure> {
     for (i, clutch) in p.clutch.iter().enumerate() {
         let (temperature, factor) = (clutch.thermal.temperature, clutch.thermal.factor);
         let none = temperature == [0.0; FADE_POINTS];
+        if !clutch.thermal.is_on() && clutch.thermal.start > 0.0 {
+            let remedy = "does not act without thermal.capacity: set it above 0";
+            return Err(invalid(START[i], clutch.thermal.start, remedy));
+        }
         if none || !clutch.thermal.is_on() {
             if let Some(k) = factor.iter().position(|factor| *factor != 1.0) {
                 let remedy = if none {
@@ -137,6 +150,17 @@ mod tests {
     use super::check_thermal;
     use dct_driveline::Params;
     use dct_driveline::thermal::Thermal;
+
+    #[test]
+    fn a_start_temperature_needs_a_thermal_model() {
+        let mut p = Params::TABLE_1;
+        p.clutch[1].thermal.start = 350.0;
+        let said = check_thermal(&p).map_err(|failure| failure.to_string());
+        let expected = "clutch2.temperature_start = 350 does not act without thermal.capacity";
+        assert!(said.is_err_and(|text| text.starts_with(expected)));
+        p.clutch[1].thermal.capacity = 5e3;
+        assert!(check_thermal(&p).is_ok());
+    }
 
     #[test]
     fn a_table_ascends_and_acts_or_is_not_there() {

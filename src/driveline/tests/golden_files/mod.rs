@@ -142,8 +142,21 @@ impl Case {
             }
             set(&format!("{shaft}.reverseEfficiency"), &mut p.eta_r[i]);
         }
-        for (clutch, curve) in p.clutch.iter_mut().zip(self.curves) {
+        for (i, (clutch, curve)) in p.clutch.iter_mut().zip(self.curves).enumerate() {
             clutch.curve = curve.unwrap_or(clutch.curve);
+            let (name, node) = (format!("clutch{}", i + 1), &mut clutch.thermal);
+            set(&format!("{name}.temperature_start"), &mut node.start);
+            set(&format!("{name}.thermal.capacity"), &mut node.capacity);
+            set(
+                &format!("{name}.thermal.conductance"),
+                &mut node.conductance,
+            );
+            set(&format!("{name}.thermal.ambient"), &mut node.ambient);
+            for k in 0..node.factor.len() {
+                let point = |what: &str| format!("{name}.thermal.{what}[{}]", k + 1);
+                set(&point("temperature"), &mut node.temperature[k]);
+                set(&point("factor"), &mut node.factor[k]);
+            }
         }
         p
     }
