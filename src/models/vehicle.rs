@@ -125,8 +125,8 @@ pub(crate) const fn road<M: Vehicle>() -> [Variable<M>; 6] {
     ]
 }
 
-/// Torsional damper and compliance of the transfer shafts: the plant's alone.
-pub(crate) const fn compliance<M: Vehicle>() -> [Variable<M>; 7] {
+/// Torsional damper (3).
+pub(crate) const fn damper<M: Vehicle>() -> [Variable<M>; 2] {
     use Unit as U;
     [
         positive(
@@ -141,6 +141,13 @@ pub(crate) const fn compliance<M: Vehicle>() -> [Variable<M>; 7] {
             |m: &mut M| &mut m.params().c_d,
             "c_d of (3): damping of the torsional damper",
         ),
+    ]
+}
+
+/// Compliance of the transfer shafts: the plant's alone.
+pub(crate) const fn transfer_shafts<M: Vehicle>() -> [Variable<M>; 5] {
+    use Unit as U;
+    [
         positive(
             "shaft1.stiffness",
             U::NEWTON_METRE_PER_RADIAN,

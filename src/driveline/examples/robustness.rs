@@ -49,7 +49,7 @@ const fn parameter(name: &'static str, believed: fn(&mut Params)) -> Error {
 }
 
 /// Every error by itself.
-const ERRORS: [Error; 20] = [
+const ERRORS: [Error; 22] = [
     sensor("none", || Box::new(perfect)),
     sensor("noise 0.1 rad/s on speeds", || Box::new(noisy(0.1, 1))),
     sensor("encoders of 4096 ticks", || Box::new(encoder(4096.0, H))),
@@ -68,6 +68,8 @@ const ERRORS: [Error; 20] = [
     parameter("k_o −10 %", |p| p.k_o *= 0.9),
     parameter("c_o +20 %", |p| p.c_o *= 1.2),
     parameter("c_o −20 %", |p| p.c_o *= 0.8),
+    parameter("k_d +20 %", |p| p.k_d *= 1.2),
+    parameter("k_d −20 %", |p| p.k_d *= 0.8),
     parameter("M_v +10 %", |p| p.road.m_v *= 1.1),
     parameter("M_v −10 %", |p| p.road.m_v *= 0.9),
 ];

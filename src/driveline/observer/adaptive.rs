@@ -115,7 +115,7 @@ impl Adaptive {
         }
         let y = self.measured(p, sample);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
-        self.lock.step(p, sample, [0.0; 2], 0.0);
+        self.lock.start(p, sample);
         self.monitor.start(p, sample);
         let mut now = self.now(p, sample, design);
         now.t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);

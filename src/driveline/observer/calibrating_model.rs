@@ -97,14 +97,14 @@ impl<'a> View<'a> {
         let load = x[T_V] + self.resistance() + brake(self.p, self.sample);
         let (t_e, t_y) = (self.engine_torque(), self.synchroniser_torque());
         let torques = Vector5::new(t_e, x[T_C], x[T_C + 1], load, t_y);
-        self.model.a(None) * x.fixed_rows::<4>(0) + self.model.b(None) * torques
+        self.model.a() * x.fixed_rows::<4>(0) + self.model.b() * torques
     }
 
     /// How all other states change the slope, shape (4, 14), of which the last 10 columns count.
     ///
     /// `slope` and `twist` ω_o − ω_w: their means over the step, which makes Φ exact to h³.
     fn effects(&self, slope: &Vector4<f64>, twist: f64) -> Rows<N> {
-        let (x, model, b) = (self.x, &self.model, self.model.b(None));
+        let (x, model, b) = (self.x, &self.model, self.model.b());
         let mut by = Rows::<N>::zeros();
         by.fixed_columns_mut::<3>(T_C)
             .copy_from(&b.fixed_columns::<3>(1));

@@ -1,7 +1,7 @@
 //! Method `energy`: the physical energy of the estimation error as Lyapunov function.
 //!
-//! The observer copies the driveline on its three measured speeds ([`Speeds`]) and corrects each by
-//! its own error, ω̃ = ω − ω̂:
+//! The observer copies the driveline on its three measured speeds, with damper and drive shaft ([`Behind`]), and
+//! corrects each speed by its own error, ω̃ = ω − ω̂:
 //!
 //! ```text
 //! ω̂_j' = model_j + l_j ω̃_j,   j = e, o, w;     T̂_s' = k (ω̂_o − ω̂_w)
@@ -31,24 +31,34 @@
 //!
 //! With both clutches pressed the one that slips keeps a friction that was learnt: V̇ holds for the other.
 //!
-//! **Lock-aware.** sgn(slip) says nothing of an engaged clutch. While the slip stays below 3 rad/s for
-//! 30 ms its ε̂ is frozen and T_ci is the constraint torque. In this mode V, with J_ed moving with J_out,
-//! falls by the same terms. Without lock-awareness the sign does harm (259 % error).
+//! **Lock-aware.** sgn(slip) says nothing of an engaged clutch. Once the slip has met 0, or stayed below 3 rad/s for
+//! 30 ms, ε̂_i is frozen and T_ci is what the damper carries. In this mode V has J_e, J_out + g_i² J_d and
+//! T̃_k²/(2 k_d) in place of J_ed and J_out; the cross terms of T̃_d cancel as those of T̃_o do, and
+//!
+//! ```text
+//! ε̂_j' = −L_j w_j (g_i − g_j) ω̃_o,    V̇ = … − c_d (ω̃_e − g_i ω̃_o)² ≤ 0
+//! ```
+//!
+//! Without lock-awareness the sign does harm (259 % error). T̂_d is held to what a learnt friction can carry, and a
+//! clutch that would carry more in a handover slips.
 
 use crate::Params;
+use crate::observer::damper::{Behind, Discrete, SPEEDS, State, Torques};
 use crate::observer::friction::Friction;
 use crate::observer::load::Load;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
-use crate::observer::schedule::scaled;
-use crate::observer::speeds::{Speeds, output_speed};
+use crate::observer::schedule::{followed, scaled};
+use crate::observer::speeds::output_speed;
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit, common_estimate, visit_switch};
-use crate::reduced::exponential;
-use nalgebra::{Matrix4, Matrix4x3, Matrix4x5, SMatrix, Vector3, Vector4, Vector5};
+use nalgebra::Vector3;
 
 /// w_0: lever below which the adaptation is not normalised [N·m].
 const LEVER: f64 = 20.0;
-const AUGMENTED: usize = 12;
+/// Factor on L while the other clutch is engaged [1]: only the difference of both ratios shows the friction then.
+const HANDOVER: f64 = 3.0;
+/// Static over kinetic friction of a clutch lining, at most [1].
+const STATIC: f64 = 1.2;
 
 /// Gains that the proof leaves free.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,12 +94,14 @@ impl Gains {
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energy {
-    /// ω̂_e, ω̂_o, ω̂_w [rad/s] and T̂_s [N·m], shape (4).
-    pub x_hat: Vector4<f64>,
+    /// ω̂_e, ω̂_o, ω̂_w [rad/s], T̂_s and T̂_k [N·m], shape (5).
+    pub x_hat: State,
     /// ε̂_1, ε̂_2, in units of μ [1], shape (2).
     pub epsilon: [f64; 2],
     /// sgn of the slip seen last beyond the band of an engaged clutch, shape (2).
     pub direction: [f64; 2],
+    /// The slip of a clutch has met 0 and stayed small since, shape (2).
+    pub met: [bool; 2],
     /// ω̃ at the last instant [rad/s], shape (3).
     pub innovation: Vector3<f64>,
     /// Load torque (20).
@@ -111,45 +123,18 @@ pub struct Energy {
 /// What the discrete model depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Key {
-    model: Speeds,
-    engaged: Option<usize>,
-    l: [f64; 3],
+    model: Behind,
+    l: [f64; SPEEDS],
     h: f64,
-}
-
-/// x⁺ = Φ x + Γ v + Γ_l ω̃.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Discrete {
-    phi: Matrix4<f64>,
-    gamma: Matrix4x5<f64>,
-    gamma_l: Matrix4x3<f64>,
-}
-
-impl Discrete {
-    fn new(key: &Key) -> Self {
-        let mut m = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
-        m.fixed_view_mut::<4, 4>(0, 0)
-            .copy_from(&key.model.a(key.engaged));
-        m.fixed_view_mut::<4, 5>(0, 4)
-            .copy_from(&key.model.b(key.engaged));
-        for (j, l) in key.l.into_iter().enumerate() {
-            m[(j, 9 + j)] = l;
-        }
-        let psi = exponential(&(m * key.h));
-        Self {
-            phi: psi.fixed_view::<4, 4>(0, 0).into_owned(),
-            gamma: psi.fixed_view::<4, 5>(0, 4).into_owned(),
-            gamma_l: psi.fixed_view::<4, 3>(0, 9).into_owned(),
-        }
-    }
 }
 
 impl Default for Energy {
     fn default() -> Self {
         Self {
-            x_hat: Vector4::zeros(),
+            x_hat: State::zeros(),
             epsilon: [0.0; 2],
             direction: [1.0; 2],
+            met: [false; 2],
             innovation: Vector3::zeros(),
             load: Load::default(),
             lock: Lock::default(),
@@ -172,7 +157,7 @@ impl Observer for Energy {
             return self.refuse();
         }
         self.take_speeds(p, sample);
-        self.lock.step(p, sample, [0.0; 2], 0.0);
+        self.lock.start(p, sample);
         self.monitor.start(p, sample);
         self.follow_slip(sample);
         let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
@@ -202,7 +187,7 @@ impl Observer for Energy {
         self.predict(p, settings, sample, t_v, gains.l, h);
         self.innovation = measured(p, sample) - self.x_hat.fixed_rows::<3>(0);
         let mu_hat = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * self.direction[i]);
-        let engaged = self.lock.engaged();
+        let engaged = self.holds();
         self.friction.learn(p, sample, engaged, mu_hat, h);
         let e = self.innovation_x(p, sample);
         self.monitor.step(p, sample, self.lock.engaged(), e, h);
@@ -219,9 +204,9 @@ impl Observer for Energy {
         self.friction.visit(visit);
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
-        self.slipping
-            .iter_mut()
-            .for_each(|slips| visit_switch(slips, visit));
+        for switch in self.slipping.iter_mut().chain(&mut self.met) {
+            visit_switch(switch, visit);
+        }
     }
 }
 
@@ -237,7 +222,7 @@ impl Energy {
 
     /// A clutch that begins to slip has the friction that was learnt in its last slip.
     fn recall(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
-        let (engaged, w) = (self.lock.engaged(), self.levers(p, sample));
+        let (engaged, w) = (self.holds(), self.levers(p, sample));
         let slipping = [0, 1].map(|i| w[i] != 0.0 && !engaged[i]);
         for i in (0..2).filter(|i| slipping[*i] && !self.slipping[*i]) {
             if self.friction.known(i) {
@@ -254,13 +239,21 @@ impl Energy {
             if beyond[i] {
                 self.direction[i] = slip.signum();
             }
+            self.met[i] =
+                self.lock.since[i] > 0.0 && (self.met[i] || slip * self.direction[i] <= 0.0);
         }
+    }
+
+    /// Clutches that hold both sides together, shape (2): the slip has stayed small, or has just met 0.
+    fn holds(&self) -> [bool; 2] {
+        let engaged = self.lock.engaged();
+        [0, 1].map(|i| engaged[i] || self.met[i])
     }
 
     /// The clutch whose torque is a constraint; of two that are engaged, the one pressed harder.
     fn engaged(&self, p: &Params, sample: &Sample) -> Option<usize> {
         let force = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]));
-        match self.lock.engaged() {
+        match self.holds() {
             [true, true] => Some(usize::from(force[1] > force[0])),
             [true, false] => Some(0),
             [false, true] => Some(1),
@@ -282,10 +275,12 @@ impl Energy {
         let engaged = self.engaged(p, sample);
         let mut bounded = false;
         let holds = [0, 1].map(|i| engaged == Some(i));
+        let l_c = engaged.map_or(l_c, |_| HANDOVER * l_c);
+        let omega_d = engaged.map_or(e[0], |i| g[i] * e[1]);
         let adapting = self.friction.adapting(w.map(|w| w != 0.0), holds);
         for i in (0..2).filter(|i| adapting[*i] && !holds[*i]) {
-            let gain = l_c / (w[i] * w[i] + LEVER * LEVER);
-            let free = self.epsilon[i] - h * gain * w[i] * (e[0] - g[i] * e[1]);
+            let gain = followed(l_c, p, sample, i, h) / (w[i] * w[i] + LEVER * LEVER);
+            let free = self.epsilon[i] - h * gain * w[i] * (omega_d - g[i] * e[1]);
             let mu_n = settings.mu_n[i];
             self.epsilon[i] = free.clamp(-mu_n, Friction::PHYSICAL - mu_n);
             bounded |= self.epsilon[i] > Friction::PHYSICAL - mu_n - f64::EPSILON;
@@ -299,8 +294,8 @@ impl Energy {
         let w = self.levers(p, sample);
         let mut t_c = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * w[i]);
         if let Some(i) = self.engaged(p, sample) {
-            let model = Speeds::new(p, sample.gear);
-            t_c[i] = model.constraint_torque(&self.x_hat, i, sample.t_e, t_c[1 - i], sample.t_y);
+            let model = Behind::new(p, sample, Some(i));
+            t_c[i] = model.clutch_torque(&self.x_hat, i, t_c[1 - i], sample.t_y);
         }
         t_c
     }
@@ -316,20 +311,38 @@ impl Energy {
         h: f64,
     ) {
         let key = Key {
-            model: Speeds::new(p, sample.gear),
-            engaged: self.engaged(p, sample),
+            model: Behind::new(p, sample, self.engaged(p, sample)),
             l,
             h,
         };
         let discrete = match self.cache {
             Some((made_for, discrete)) if made_for == key => discrete,
-            _ => Discrete::new(&key),
+            _ => key.model.discrete(l, h),
         };
         self.cache = Some((key, discrete));
         let [one, two] = self.torques(p, settings, sample);
-        let v = Vector5::new(sample.t_e, one, two, t_v, sample.t_y);
+        let v = Torques::from([sample.t_e, one, two, t_v, sample.t_y]);
         self.x_hat =
             discrete.phi * self.x_hat + discrete.gamma * v + discrete.gamma_l * self.innovation;
+        match key.model.engaged {
+            Some(i) => self.bound(p, settings, sample, i),
+            None => self.x_hat[4] = one + two,
+        }
+    }
+
+    /// Projects T̂_k onto what the engaged clutch `i`, of a friction that was learnt, can carry.
+    fn bound(&mut self, p: &Params, settings: &Settings, sample: &Sample, i: usize) {
+        if self.friction.known(i) {
+            let w = self.levers(p, sample);
+            let lever = w[i].abs();
+            let carried = self.torques(p, settings, sample)[i];
+            let most = STATIC * self.friction.mu[i] * lever;
+            self.x_hat[4] += carried.clamp(-most, most) - carried;
+            if carried.abs() > most && w[1 - i] != 0.0 {
+                (self.met[i], self.lock.since[i]) = (false, 0.0);
+                self.direction[i] = carried.signum();
+            }
+        }
     }
 
     /// Innovation in the terms of (12), shape (2).
@@ -349,10 +362,10 @@ impl Energy {
     }
 
     fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, t_v: f64) -> Estimate {
-        let model = Speeds::new(p, sample.gear);
+        let model = Behind::new(p, sample, None);
         let [e, o, w]: [f64; 3] = self.innovation.into();
         let l = settings.energy.l;
-        let unexplained = (model.j_ed * l[0] * e).abs();
+        let unexplained = (model.speeds.j_ed * l[0] * e).abs();
         let pressed = self.levers(p, sample).map(|w| w != 0.0);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
         let common = common_estimate(p, settings, sample, engaged, fault);
@@ -363,7 +376,8 @@ impl Energy {
             friction: self.friction.mu,
             innovation: self.innovation_x(p, sample),
             t_c_deviation: pressed.map(|pressed| if pressed { unexplained } else { 0.0 }),
-            t_o_deviation: (model.j_out * l[1] * o).abs() + (model.j_v * l[2] * w).abs(),
+            t_o_deviation: (model.speeds.j_out * l[1] * o).abs()
+                + (model.speeds.j_v * l[2] * w).abs(),
             ..common
         };
         said.with_friction_terms(p, settings, sample)

@@ -96,7 +96,7 @@ impl Flow {
     /// Over a step `h` [s]: series on h/2ⁿ, doubled n times.
     pub fn new(model: &Speeds, h: f64) -> Self {
         const REACH: f64 = 0.1; // of a term over the one before; REACH^9/10! < 1e-15
-        let a = model.a(None);
+        let a = model.a();
         let rate = ComplexField::sqrt(model.k / model.j_out) + 2.0 * model.c / model.j_out;
         let (mut t, mut doublings) = (h, 0);
         while t * rate > REACH && doublings < 30 {
@@ -138,7 +138,7 @@ mod tests {
         let model = Speeds::new(&Params::TABLE_1, [1, 2]);
         for h in [1e-4, 1e-3, 2e-2, 0.3] {
             let mut m = SMatrix::<f64, 8, 8>::zeros();
-            m.fixed_view_mut::<4, 4>(0, 0).copy_from(&model.a(None));
+            m.fixed_view_mut::<4, 4>(0, 0).copy_from(&model.a());
             m.fixed_view_mut::<4, 4>(0, 4).fill_with_identity();
             let expected = exponential(&(m * h));
             let flow = Flow::new(&model, h);

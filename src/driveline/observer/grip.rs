@@ -10,7 +10,8 @@ use crate::observer::{Sample, Visit};
 
 /// Time constant of the filtered slip [s].
 const TAU: f64 = 0.01;
-/// Filtered slip of a clutch that holds [rad/s]: above its noise, below the first wind-up of a damper.
+/// Filtered slip of a clutch that holds [rad/s]: above its noise, below the first wind-up of a damper. While a
+/// synchroniser shakes the damper none does.
 const HOLDS: f64 = 0.25;
 /// Time for which an engaged clutch has to hold before its torque is a constraint [s].
 const FIRM: f64 = 0.1;
@@ -67,7 +68,8 @@ impl Grip {
             let before = core::mem::replace(&mut self.lever[i], now);
             let slip = sample.slip()[i];
             self.slip[i] += (slip - self.slip[i]) * (h / (h + TAU));
-            let holds = engaged[i] && self.slip[i].abs() < HOLDS;
+            let shaken = sample.t_y != 0.0;
+            let holds = engaged[i] && self.slip[i].abs() < HOLDS && !shaken;
             self.held[i] = if holds {
                 (self.held[i] + h).min(FIRM)
             } else {

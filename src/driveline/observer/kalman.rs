@@ -81,7 +81,7 @@ struct Discrete {
 
 impl Discrete {
     fn new(model: &Speeds, h: f64) -> Self {
-        let (flow, b) = (Flow::new(model, h), model.b(None));
+        let (flow, b) = (Flow::new(model, h), model.b());
         let mut by = Rows::<N>::zeros();
         by.fixed_columns_mut::<3>(T_C)
             .copy_from(&b.fixed_columns::<3>(1));

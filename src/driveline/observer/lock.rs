@@ -7,7 +7,12 @@
 //! ΔT_c/√(k_d J_e), and dies with the time constant 2 J_e/c_d                    from (1), (3)
 //! ```
 //!
-//! which a large torque takes beyond any fixed threshold. So a clutch that has locked may swing by as much.
+//! which a large torque takes beyond any fixed threshold. So a clutch that has locked may swing by as much. A
+//! synchroniser on the other shaft kicks J_out against damper and drive shaft, by at most
+//!
+//! ```text
+//! g_i T_y/√(J_out (g_i² k_d + k_o))                                                    from (4), (8), (10)
+//! ```
 
 use crate::Params;
 use crate::observer::{Sample, Visit};
@@ -28,8 +33,16 @@ pub struct Lock {
 }
 
 impl Lock {
+    /// At the start of a run a clutch that is pressed without slip has been so before.
+    pub fn start(&mut self, p: &Params, sample: &Sample) {
+        self.step(p, sample, [0.0; 2], TIME);
+    }
+
     /// Takes a sample `h` [s] after the last one; `t_c`: estimated torques of the clutches [N·m], shape (2).
     pub fn step(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
+        for i in [0, 1] {
+            self.swing[i] = self.swing[i].max(kick(p, sample, i));
+        }
         let (g, slips) = (p.g(sample.gear), self.slips(sample));
         for i in [0, 1] {
             let pressed = p.clutch[i].force(sample.actuation[i]) > 0.0;
@@ -75,6 +88,13 @@ impl Lock {
     pub fn visit(&mut self, visit: Visit<'_>) {
         self.since.iter_mut().chain(&mut self.swing).for_each(visit);
     }
+}
+
+/// Swing of the damper behind clutch `i` that synchronisers bring about [rad/s].
+fn kick(p: &Params, sample: &Sample, i: usize) -> f64 {
+    let g = p.g(sample.gear);
+    let stiffness = g[i] * g[i] * p.k_d + p.k_o;
+    g[i].abs() * sample.t_y.abs() / ComplexField::sqrt(p.j_out(g) * stiffness)
 }
 
 #[cfg(test)]

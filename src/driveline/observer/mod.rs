@@ -15,6 +15,7 @@ pub mod adaptive;
 pub mod anchor;
 pub mod calibrating;
 mod calibrating_model;
+pub mod damper;
 pub mod energy;
 mod filter;
 pub mod friction;

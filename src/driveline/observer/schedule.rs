@@ -1,6 +1,11 @@
 //! Gains that follow the communication step.
 
+use crate::Params;
+use crate::observer::Sample;
 use nalgebra::ComplexField;
+
+/// Largest (Ω h)² of an adaptation that swings with Ω [1].
+const FOLLOWED: f64 = 0.8;
 
 /// A gain given for 1 ms at a step `h` [s].
 ///
@@ -15,6 +20,15 @@ pub fn scaled(gain: f64, defaults: [f64; 2], order: u32, h: f64) -> f64 {
     let beyond = (1e-2 / h).min(1.0);
     let at_step = gain * ComplexField::powf(defaults[1] / defaults[0], decades);
     (0..order).fold(at_step, |gain, _| gain * beyond)
+}
+
+/// L of `energy` for the gears of a sample and a step `h` [s] [N·m/rad].
+///
+/// The adaptation swings with Ω² = L (1/J_ed + g_i²/J_out), which a light gearbox raises beyond what samples follow.
+pub fn followed(l_c: f64, p: &Params, sample: &Sample, i: usize, h: f64) -> f64 {
+    let g = p.g(sample.gear);
+    let pace = l_c * (1.0 / p.j_ed() + g[i] * g[i] / p.j_out(g));
+    l_c * (FOLLOWED / (pace * h * h)).min(1.0)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Model on the three measured speeds: what `energy`, `kalman` and `calibrating` are built on.
+//! Model on the three measured speeds: what `kalman` and `calibrating` are built on, and `energy` with the damper.
 //!
 //! ```text
 //! J_ed ω_e'  = T_e − T_c1 − T_c2                     from (1), (2) with a stiff damper
@@ -16,7 +16,7 @@
 
 use crate::Params;
 use crate::observer::Sample;
-use nalgebra::{Matrix4, Matrix4x5, RowVector5, Vector4};
+use nalgebra::{Matrix4, Matrix4x5, RowVector4, RowVector5, Vector4};
 
 /// The model for one pair of gears.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,40 +49,24 @@ impl Speeds {
         }
     }
 
-    /// A for the states (ω_e, ω_o, ω_w, T_s), shape (4, 4), with clutch `engaged` or none.
-    pub fn a(&self, engaged: Option<usize>) -> Matrix4<f64> {
+    /// A for the states (ω_e, ω_o, ω_w, T_s), shape (4, 4), with both clutches free.
+    pub fn a(&self) -> Matrix4<f64> {
         let (k, c, j_v) = (self.k, self.c, self.j_v);
-        let t_o = Vector4::new(0.0, c, -c, 1.0);
+        let t_o = RowVector4::new(0.0, c, -c, 1.0);
         let mut a = Matrix4::zeros();
-        let (output, engine) = match engaged {
-            Some(i) => (self.j_together(i), self.g[i] / self.j_together(i)),
-            None => (self.j_out, 0.0),
-        };
-        a.set_row(0, &(t_o.transpose() * -engine));
-        a.set_row(1, &(t_o.transpose() * (-1.0 / output)));
-        a.set_row(2, &(t_o.transpose() / j_v));
-        a.set_row(3, &Vector4::new(0.0, k, -k, 0.0).transpose());
+        a.set_row(1, &(t_o / -self.j_out));
+        a.set_row(2, &(t_o / j_v));
+        a.set_row(3, &RowVector4::new(0.0, k, -k, 0.0));
         a
     }
 
-    /// B for the torques (T_e, T_c1, T_c2, T_v, T_y), shape (4, 5); the engaged clutch's own is not used.
-    pub fn b(&self, engaged: Option<usize>) -> Matrix4x5<f64> {
+    /// B for the torques (T_e, T_c1, T_c2, T_v, T_y), shape (4, 5), with both clutches free.
+    pub fn b(&self) -> Matrix4x5<f64> {
         let [g1, g2] = self.g;
         let mut b = Matrix4x5::zeros();
+        b.set_row(0, &(RowVector5::new(1.0, -1.0, -1.0, 0.0, 0.0) / self.j_ed));
+        b.set_row(1, &(RowVector5::new(0.0, g1, g2, 0.0, 1.0) / self.j_out));
         b[(2, 3)] = -1.0 / self.j_v;
-        match engaged {
-            None => {
-                b.set_row(0, &(RowVector5::new(1.0, -1.0, -1.0, 0.0, 0.0) / self.j_ed));
-                b.set_row(1, &(RowVector5::new(0.0, g1, g2, 0.0, 1.0) / self.j_out));
-            }
-            Some(i) => {
-                let (g, j) = (self.g[i], self.j_together(i));
-                let mut output = RowVector5::new(g, g1 - g, g2 - g, 0.0, 1.0) / j;
-                output[1 + i] = 0.0;
-                b.set_row(0, &(output * g));
-                b.set_row(1, &output);
-            }
-        }
         b
     }
 
@@ -133,18 +117,16 @@ mod tests {
     /// Round-off of a few products.
     const TOLERANCE: f64 = 1e-9;
 
-    /// The constraint torque put into the free model moves both speeds as the engaged one does.
+    /// With the constraint torque the free model keeps ω_e = g_i ω_o.
     #[test]
-    fn engaged_model_is_the_free_one_with_the_constraint_torque() {
+    fn constraint_torque_keeps_both_sides_of_the_clutch_together() {
         let model = Speeds::new(&P, [1, 2]);
         let x = Vector4::new(180.0, 10.0, 9.7, 500.0);
         for (i, other) in [(0, 12.0), (1, -7.0)] {
             let mut v = Vector5::new(60.0, other, other, 250.0, -30.0);
-            let engaged = model.a(Some(i)) * x + model.b(Some(i)) * v;
             v[1 + i] = model.constraint_torque(&x, i, 60.0, other, -30.0);
-            let free = model.a(None) * x + model.b(None) * v;
-            assert!((engaged - free).amax() < TOLERANCE, "{engaged} {free}");
-            assert!((free[0] - model.g[i] * free[1]).abs() < TOLERANCE);
+            let x_dot = model.a() * x + model.b() * v;
+            assert!((x_dot[0] - model.g[i] * x_dot[1]).abs() < TOLERANCE);
         }
     }
 
@@ -152,7 +134,7 @@ mod tests {
     fn energy_falls_by_the_loss_in_the_drive_shaft() {
         let model = Speeds::new(&P, [1, 2]);
         let x = Vector4::new(180.0, 10.0, 9.7, 500.0);
-        let x_dot = model.a(None) * x;
+        let x_dot = model.a() * x;
         let inertias = Vector4::new(model.j_ed, model.j_out, model.j_v, 1.0 / model.k);
         let power = inertias.component_mul(&x).dot(&x_dot);
         assert!((power + P.c_o * 0.3 * 0.3).abs() < TOLERANCE, "{power} W");

@@ -86,7 +86,7 @@ impl<const N: usize> Tracker<N> {
     pub fn start(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>) {
         self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
         self.take_speeds(p, sample, wheel);
-        self.lock.step(p, sample, [0.0; 2], 0.0);
+        self.lock.start(p, sample);
         self.monitor.start(p, sample);
     }
 

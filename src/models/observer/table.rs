@@ -7,7 +7,7 @@ use super::Observer;
 use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
 use crate::rows::table;
-use crate::vehicle::{actuator, driveline, road};
+use crate::vehicle::{actuator, damper, driveline, road};
 use dct_driveline::observer::{Method, Phase};
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
@@ -26,7 +26,7 @@ pub(super) const VARIABLES: &[Variable<Observer>] = table!(Observer:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
     OUTPUTS, clutch_outputs::<0>(), clutch_outputs::<1>(),
     SETTINGS, NOMINAL_FRICTION, gains::GAINS, calibration::OUTPUTS, calibration::STARTS, calibration::ANCHORS,
-    driveline(), road(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
+    driveline(), road(), damper(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
 );
 
 static LOAD_METHOD: Enumeration = Enumeration {

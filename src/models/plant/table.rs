@@ -8,7 +8,7 @@ use super::thermal::{thermal, thermal_outputs};
 use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
 use crate::rows::table;
-use crate::vehicle::{POSITIVE, actuator, compliance, driveline, road};
+use crate::vehicle::{POSITIVE, actuator, damper, driveline, road, transfer_shafts};
 use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
@@ -20,7 +20,7 @@ pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
     INPUTS, clutch_inputs::<0>(), clutch_inputs::<1>(),
     SPEEDS, TORQUES, LOSSES, clutch_outputs::<0>(), clutch_outputs::<1>(),
     thermal_outputs::<0>(), thermal_outputs::<1>(),
-    driveline(), road(), compliance(),
+    driveline(), road(), damper(), transfer_shafts(),
     shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
     clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(),
     thermal::<0>(), thermal::<1>(), efficiencies::<0>(), efficiencies::<1>(), START,
