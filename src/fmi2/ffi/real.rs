@@ -48,6 +48,15 @@ pub(crate) const fn most<M: Model>() -> usize {
     }
 }
 
+/// Whether a model has outputs that are computed on demand.
+const fn some_on_demand<M: Model>() -> bool {
+    let mut row = 0;
+    while row < M::VARIABLES.len() && !M::VARIABLES[row].on_demand {
+        row += 1;
+    }
+    row < M::VARIABLES.len()
+}
+
 /// Reads Reals if all references are Reals that have a place, and none waits to be computed; else it does nothing
 /// and returns false.
 #[inline(always)]
@@ -59,7 +68,7 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
         }
         words |= real(saved, reference).word;
     }
-    let waits = words & ON_DEMAND != 0 && saved.late;
+    let waits = const { some_on_demand::<M>() } && words & ON_DEMAND != 0 && saved.late;
     let plain = words & ELSEWHERE == 0 && !waits;
     if plain {
         for (&reference, value) in references.iter().zip(values).rev() {

@@ -4,7 +4,7 @@ use super::pointer::{place, slice, slice_mut, usable};
 use super::{Component, Library, Status, real};
 use crate::handle::Entered;
 use crate::value::Value;
-use crate::{Call, Error, Model};
+use crate::{Call, Error, Instance, Model};
 use core::ffi::{c_int, c_void};
 use core::slice::{from_raw_parts, from_raw_parts_mut};
 
@@ -20,7 +20,7 @@ impl<M: Model> Library<M> {
     ) -> Status {
         let enter = || self.instances.enter_first(component.addr());
         // SAFETY: the importer's promise.
-        if unsafe { Self::get_plainly(enter, references, count, values) } {
+        if unsafe { Self::get_plainly(enter, Instance::get_plainly, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.
@@ -48,6 +48,7 @@ impl<M: Model> Library<M> {
     #[inline(always)]
     unsafe fn get_plainly<'a>(
         enter: impl FnOnce() -> Option<Entered<'a, Component<M>>>,
+        get: impl FnOnce(&mut Instance<M>, &[u32], &mut [f64]) -> bool,
         references: *const u32,
         count: usize,
         values: *mut f64,
@@ -63,7 +64,7 @@ impl<M: Model> Library<M> {
                     from_raw_parts_mut(values, count),
                 )
             };
-            instance.get_plainly(references, values)
+            get(instance, references, values)
         })
     }
 
@@ -102,7 +103,7 @@ impl<M: Model> Library<M> {
     ) -> Status {
         let enter = || library.instances.enter(component.addr());
         // SAFETY: the importer's promise.
-        if unsafe { Self::get_plainly(enter, references, count, values) } {
+        if unsafe { Self::get_plainly(enter, Instance::get_on_demand, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.

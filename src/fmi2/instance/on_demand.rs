@@ -71,7 +71,7 @@ fn read(counter: &mut Instance<Counter>, reference: u32) -> f64 {
 
 fn read_plainly(counter: &mut Instance<Counter>, reference: u32) -> Option<f64> {
     let mut value = [f64::NAN];
-    let plain = counter.get_plainly(&[reference], &mut value);
+    let plain = counter.get_on_demand(&[reference], &mut value);
     plain.then_some(value[0])
 }
 

@@ -20,15 +20,16 @@ impl<M: Model> Instance<M> {
     /// [`Self::get`] of Reals where that needs no second look; else it does nothing and returns false.
     #[inline(always)]
     pub(crate) fn get_plainly(&mut self, references: &[u32], values: &mut [f64]) -> bool {
-        !self.now.stale
-            && (real::get(&mut self.now, references, values)
-                || self.get_on_demand(references, values))
+        !self.now.stale && real::get(&mut self.now, references, values)
     }
 
-    /// The same where a step left outputs to be computed.
-    #[inline(never)]
-    fn get_on_demand(&mut self, references: &[u32], values: &mut [f64]) -> bool {
-        M::STEPS_STAY_FINITE && self.now.catch_up() && real::get(&mut self.now, references, values)
+    /// The same, also where a step left outputs to be computed.
+    pub(crate) fn get_on_demand(&mut self, references: &[u32], values: &mut [f64]) -> bool {
+        if self.get_plainly(references, values) {
+            return true;
+        }
+        let computed = M::STEPS_STAY_FINITE && !self.now.stale && self.now.catch_up();
+        computed && self.get_plainly(references, values)
     }
 
     /// [`Self::set`] of Reals where that needs no second look; else it does nothing and returns false.
