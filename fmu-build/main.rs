@@ -14,6 +14,7 @@ use std::time::Duration;
 /// Describes, builds and checks FMI 2.0 co-simulation FMUs.
 #[derive(Parser)]
 #[command(
+    bin_name = "cargo fmu",
     version,
     after_help = "Examples:
   cargo fmu build                          all FMUs into target/fmu
@@ -30,6 +31,21 @@ struct Arguments {
     command: Command,
 }
 
+const CHECK: &str = "\
+The code of an FMU runs in a process of its own: one that crashes, hangs or prints is reported. It may still
+do to your files what you may; check only FMUs whose origin you know.
+
+An error breaks FMI 2.0.4. A warning is legal, but some machine or user will stumble over it: libraries that
+are not the system's, symbols that are not FMI's, search paths and file names of the machine it was built on,
+glibc above 2.17, printing. `--strict` takes warnings for errors. In FMUs that this program packed, those of
+symbols, libraries, paths and names always are errors; glibc and libgcc_s are what a build for one's own machine
+may need.";
+
+const BUILD: &str = "\
+A target is one of rustc's, e.g. x86_64-pc-windows-gnullvm. One for Linux may have the oldest glibc behind it,
+x86_64-unknown-linux-gnu.2.17: then cargo-zigbuild links it. Repeated, all go into one FMU.
+Two builds of the same sources give the same bytes.";
+
 #[derive(Subcommand)]
 enum Command {
     /// Write modelDescription/ and the parameter files (.ssv) of the presets from the models.
@@ -40,16 +56,14 @@ enum Command {
         check: bool,
     },
     /// Build FMUs.
-    #[command(after_help = "Two builds of the same sources give the same bytes.")]
+    #[command(after_help = BUILD)]
     Build {
         /// Models to build, e.g. DctPlant; all when none is named.
         models: Vec<String>,
         /// Folder for the FMUs [default: target/fmu of the workspace].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Target of rustc, e.g. x86_64-pc-windows-gnullvm; one for Linux with a glibc behind it,
-        /// x86_64-unknown-linux-gnu.2.17, is linked by cargo-zigbuild. May be repeated: all go into
-        /// one FMU [default: this machine].
+        /// What to build for [default: this machine].
         #[arg(long = "target", value_name = "T")]
         targets: Vec<String>,
     },
@@ -67,8 +81,8 @@ enum Command {
     },
     /// Run FMUs over a table of inputs and write their outputs, bit for bit.
     #[command(
-        after_help = "Several FMUs are coupled: an input takes the output of its name from the FMU nearest \
-before its own, going round; they step in the order of the list.\nThe same file on two platforms means that both compute the same."
+        after_help = "Several FMUs are coupled: an input takes the output of its name from the FMU nearest before its own,\n\
+going round; they step in the order of the list.\nThe same file on two platforms means that both compute the same."
     )]
     Replay {
         /// FMU files.
@@ -86,8 +100,7 @@ before its own, going round; they step in the order of the list.\nThe same file 
         /// File to write.
         #[arg(long, value_name = "CSV")]
         out: PathBuf,
-        /// Write every call with its value, too: for xtask/platforms/calls.c, which makes the same calls
-        /// on machines without fmu-build.
+        /// Write every call with its value, too, for machines without fmu-build (xtask/platforms/calls.c).
         #[arg(long, value_name = "FILE")]
         calls: Option<PathBuf>,
     },
@@ -99,10 +112,7 @@ before its own, going round; they step in the order of the list.\nThe same file 
         out: Option<PathBuf>,
     },
     /// Check FMI 2.0 co-simulation FMUs of any origin; the exit code is 3 when one is invalid.
-    #[command(
-        after_help = "The code of an FMU runs in a process of its own, so that one that crashes, hangs or prints is \
-reported;\nit may still do to your files what you may: check only FMUs whose origin you know."
-    )]
+    #[command(after_help = CHECK)]
     Check {
         /// FMU files.
         #[arg(required = true, value_name = "FMU")]
