@@ -96,10 +96,12 @@ def in_order(events):
 def case_json(case, params):
     """What a run needs beside its scenario, and the FMI parameters that leave the preset."""
     changed = {"transmission.rigid": True} if case.rigid else {}
+    special = {"curves": curve_json, "heat": heat_json}
     for name, value in case.params.items():
-        named = zip(FMI_NAMES.get(name, ()), np.atleast_1d(value).tolist(), strict=False)
-        special = {"curves": curve_json, "heat": heat_json}
-        changed |= special[name](value) if name in special else dict(named)
+        if name in special:
+            changed |= special[name](value)
+        else:
+            changed |= zip(FMI_NAMES.get(name, ()), np.atleast_1d(value).tolist(), strict=False)
     odd, even = case.gears[0][1]
     shifts = [{"time": t, "shaft1": a, "shaft2": b} for t, (a, b) in case.gears[1:]]
     return {

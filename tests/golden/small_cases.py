@@ -157,6 +157,12 @@ SMALL_CASES = (
         scenario_file="hill_start",
         about="roll-back on 10 %, a stop in jammed gears, then launch; gears lose 10 and 5 %",
     ),
+    Case(
+        *("gears_rigid", BOTH, 2.5, 120.0, 0.0),
+        **{"gears": ((0, (3, -1)),), "params": GEARBOX, "rigid": True, "row_every": 5e-3},
+        scenario_file="launch_both",
+        about="rigid plant in gear 3, reverse on the other clutch: they pull against each other",
+    ),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
     Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),
     Case("launch_h1", LAUNCH, **_LAUNCH, about="launch, held 1 ms"),

@@ -1,8 +1,8 @@
 """Clutches that get hot: C T' = P - G (T - T_a), and friction times theta(T).
 
 Over a piece T is the polynomial through the collocation nodes that meets its equation, found
-together with the friction power. The table of theta is not cut at its points: its bends are of the size of
-d theta/dT times what a piece heats, some 1e-5 of the torque, in the one piece that passes them.
+together with the friction power. The table of theta is not cut at its points: its bends are of the
+size of d theta/dT times what a piece heats, some 1e-5 of the torque, in the one piece that passes.
 """
 
 from __future__ import annotations
