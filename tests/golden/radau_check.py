@@ -75,10 +75,15 @@ class ScalarPlant:
             (t_d - t_c[0] - t_c[1]) / p.j_d,
             (t_c[0] - t_t[0] / p.i_t[0]) / p.j_c[0],
             (t_c[1] - t_t[1] / p.i_t[1]) / p.j_c[1],
-            (p.i_f[0] * t_t[0] + p.i_f[1] * t_t[1] - t_o) / p.j_o,
+            (sum(self.passed_on(i, t_t[i], o) for i in range(2)) - t_o) / p.j_o,
             (t_o - t_v) / p.j_v,
             *(e - d, c1 / p.i_t[0] - p.i_f[0] * o, c2 / p.i_t[1] - p.i_f[1] * o, o - w),
         ]
+
+    def passed_on(self, i, t_t, o):
+        """Torque of shaft `i` on the output, turning at `o` [rad/s], less what its gear loses."""
+        eta = self.p.eta[i]
+        return self.p.i_f[i] * t_t * (eta if t_t * o > 0 else 1 / eta)
 
     def guard(self, y, mode, u, i):
         """Positive while clutch `i` keeps its mode."""
@@ -151,7 +156,8 @@ class RadauRun:
     def __init__(self, case, events, initial, rtol=1e-11, atol=1e-12):
         plant = RigidScalarPlant if case.rigid else ScalarPlant
         self.case, self.plant = case, plant(case.simulation().plant.p, case.scenario)
-        self.pending, self.mode = list(events), list(initial)
+        self.pending = [event for event in events if event["clutch"] in PARTS]
+        self.mode = list(initial)
         self.tolerances = {"rtol": rtol, "atol": atol, "method": "Radau"}
         omega = case.vehicle_speed / self.plant.p.r_w
         self.y = np.array(self.plant.start(case.engine_speed, omega))
