@@ -16,7 +16,7 @@ import pytest
 from dct_harness import report
 from dct_harness.errors import ConfigError
 from dct_harness.report.study_data import Shown, StudyData
-from dct_harness.report.study_numbers import breaks, curve, heat, sensitivity, summary
+from dct_harness.report.study_numbers import breaks, crossing, curve, heat, sensitivity, summary
 from dct_harness.sampling import Factor, points
 from dct_harness.sweep_store import read_rows
 from playwright.sync_api import Browser, sync_playwright
@@ -85,6 +85,9 @@ def test_a_curve_breaks_where_it_crosses_the_limit() -> None:
     where = breaks(shown, *curve(x, shown.series[0].values))
     assert where == pytest.approx([2 - 0.9**0.5, 2 + 0.9**0.5], abs=0.1)
     assert breaks(shown, x, np.full(401, 9.0)) == []
+    flat = 10 + np.sin(5 * x)
+    told = [crossing(shown, x, y) for y in (0 * x, 11 + 0 * x, flat, 5 * x)]
+    assert told == ["never", "everywhere", "at the limit", "2.00"]
 
 
 def test_a_heat_map_of_a_grid_has_a_cell_per_level() -> None:

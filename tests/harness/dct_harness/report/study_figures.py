@@ -64,18 +64,17 @@ class Panels:
             })  # fmt: skip
         return names
 
-    def line_at(self, names: tuple[str, str], value: float, text: str = "") -> None:
-        """Draw a limit across a panel."""
+    def line_at(self, names: tuple[str, str], value: float, name: str = "") -> None:
+        """Draw a limit across a panel; with a name it stands in the legend."""
+        line = {"color": "@bad", "width": 1.2, "dash": "dot"}
         self.layout["shapes"].append({
             "type": "line", "xref": f"{names[0]} domain", "yref": names[1], "x0": 0, "x1": 1,
-            "y0": value, "y1": value, "line": {"color": "@bad", "width": 1.2, "dash": "dot"},
+            "y0": value, "y1": value, "line": line,
         })  # fmt: skip
-        if text:
-            self.layout["annotations"].append({
-                "text": text, "xref": f"{names[0]} domain", "yref": names[1], "x": 1,
-                "y": math.log10(value), "xanchor": "right", "yanchor": "bottom",
-                "showarrow": False, "font": {"color": "@bad", "size": 11},
-            })  # fmt: skip
+        if name:
+            self.data.append({"type": "scatter", "mode": "lines", "x": [None], "y": [None],
+                              "xaxis": names[0], "yaxis": names[1], "name": name, "line": line,
+                              "hoverinfo": "skip"})  # fmt: skip
 
     def figure(self, key: str, caption: str, aria: str) -> Json:
         """Return the figure."""
@@ -117,7 +116,8 @@ def curves(data: StudyData, shown: Shown) -> Json:
             x, y = made[factor["name"], s.place]
             panels.data.append(_line(s, x, y, names, k == 0))
         if shown.limit is not None and shown.limit > 0:
-            panels.line_at(names, shown.limit, f"limit {shown.limit:g}" if k == 0 else "")
+            limit_name = f"limit {shown.limit:g} {shown.kpi.unit}"
+            panels.line_at(names, shown.limit, "" if k else limit_name)
     caption = f"{shown.kpi.title}, {shown.signal}: median over each factor, all others at random"
     return panels.figure(f"curves-{shown.slug}", caption, caption)
 
@@ -233,7 +233,7 @@ def courses(data: StudyData, runs: int) -> list[Json]:
             by_torque.setdefault(variable, [])
         elif truth in names and component != "plant":
             error = values[:, :, k] - values[:, :, names.index(truth)]
-            by_torque.setdefault(f"error of {variable}", []).append((component, error))
+            by_torque.setdefault(f"Error of {variable}", []).append((component, error))
         else:
             by_torque.setdefault(name, []).append((name, values[:, :, k]))
     time = values[0, :, 0]
@@ -258,7 +258,7 @@ def _bands(
             {"range": [low - margin, high + margin], "showticklabels": first,
              "title": {"text": "[N·m]" if first and "torque" in what else ""}})  # fmt: skip
         panels.data += _band_traces(found, time, axes, k == 0)
-    caption = f"{what[0].upper()}{what[1:]}: percentiles over {runs} runs"
+    caption = f"{what}: percentiles over {runs} runs"
     return panels.figure(f"bands-{number}", caption, caption)
 
 

@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from ..errors import ConfigError
+from ..kpi.table import number
 from .study_data import Json, Series, Shown, StudyData
 
+CLOSE = 1.2  # of a limit: where medians within this factor of it say nothing
 BINS = 8  # of a factor, equally full
 CELLS = 6  # of a heat map, each way, equally wide
 LEAST = 3  # runs in a cell whose median is told
 CONFIDENCE = 0.95
 RESAMPLES = 200
+SEED = 1  # of the resamples; SALib takes 0 for none
 INDICES = ("S1", "S1_conf", "ST", "ST_conf")
 ENOUGH = 64  # runs for sensitivities of a sample that was not made for them
 
@@ -47,10 +50,23 @@ def breaks(shown: Shown, x: np.ndarray, y: np.ndarray) -> list[float]:
         return []
     above = y - shown.limit
     found = []
-    for k in np.flatnonzero(np.sign(above[:-1]) * np.sign(above[1:]) < 0):
+    for k in np.flatnonzero((above[:-1] > 0) != (above[1:] > 0)):
         share = above[k] / (above[k] - above[k + 1])
         found.append(float(x[k] + share * (x[k + 1] - x[k])))
     return found
+
+
+def crossing(shown: Shown, x: np.ndarray, y: np.ndarray) -> str:
+    """Return in words where a curve passes the limit; one that stays close to it passes nowhere."""
+    if shown.limit is None:
+        return ""
+    if shown.keeps(y).all():
+        return "never"
+    if not shown.keeps(y).any():
+        return "everywhere"
+    if y.max() < CLOSE * shown.limit and y.min() > shown.limit / CLOSE:
+        return "at the limit"
+    return ", ".join(number(place, 3) for place in breaks(shown, x, y))
 
 
 @dataclass(frozen=True)
@@ -148,7 +164,7 @@ def _sobol(problem: Json, blocks: np.ndarray) -> Sensitivity | None:
         return None
     found = _salib("sobol").analyze(
         problem, blocks.ravel(), calc_second_order=False, num_resamples=RESAMPLES,
-        conf_level=CONFIDENCE, seed=0)  # fmt: skip
+        conf_level=CONFIDENCE, seed=SEED)  # fmt: skip
     first, first_conf, total, total_conf = (np.asarray(found[k]) for k in INDICES)
     return Sensitivity(first, first_conf, total, total_conf, blocks.size)
 
@@ -157,7 +173,7 @@ def _given(problem: Json, x: np.ndarray, y: np.ndarray) -> Sensitivity | None:
     if len(y) < ENOUGH:
         return None
     found = _salib("rbd_fast").analyze(problem, x, y, num_resamples=RESAMPLES,
-                                       conf_level=CONFIDENCE, seed=0)  # fmt: skip
+                                       conf_level=CONFIDENCE, seed=SEED)  # fmt: skip
     return Sensitivity(np.asarray(found["S1"]), np.asarray(found["S1_conf"]), None, None, len(y))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from ..kpi.table import number
 from . import study_figures
 from .study_data import Json, Series, Shown, StudyData, pairs
-from .study_numbers import breaks, curve, sensitivity, summary
+from .study_numbers import crossing, curve, sensitivity, summary
 
 WORST = 3  # runs per KPI and series
 BAND_RUNS = 400  # whose courses the bands are made of, at most
@@ -49,14 +49,8 @@ def _breaks(data: StudyData, shown: Shown, series: Series) -> Json:
     cells = []
     for factor in data.factors:
         x, y = curve(data.column(factor["name"])[series.rows], series.values)
-        cells.append(_crossings(shown, breaks(shown, x, y), bool(shown.keeps(y).all())))
+        cells.append(crossing(shown, x, y))
     return {"label": series.label, "cells": cells}
-
-
-def _crossings(shown: Shown, places: list[float], kept: bool) -> str:
-    if places:
-        return ", ".join(number(p, 3) for p in places)
-    return "never" if kept else "everywhere"
 
 
 def _worst(data: StudyData, shown: Shown, series: Series) -> list[Json]:
