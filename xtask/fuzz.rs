@@ -93,7 +93,14 @@ pub fn steps_for(project: &Project, what: &[&str]) -> Result<Vec<Step>, Failure>
 /// Builds the targets twice and runs each for `seconds` in both ways.
 pub fn steps(project: &Project, seconds: u32) -> Vec<Step> {
     let builds = Sanitizer::ALL.map(|sanitizer| {
-        let words = ["build", "--quiet", "--release", "--manifest-path", MANIFEST];
+        let words = [
+            "build",
+            "--quiet",
+            "--release",
+            "--locked",
+            "--manifest-path",
+            MANIFEST,
+        ];
         sanitizer.build(project, &words, COVERAGE)
     });
     let title = format!("libFuzzer: calls, states, packages, {seconds} s each, twice");

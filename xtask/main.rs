@@ -31,8 +31,9 @@ cargo xtask COMMAND: the project's chores. Each sets up what it needs by itself.
 commands:
   demo [--open]  build the FMUs, run the paper's closed loop for both friction cases and write
                  target/report/index.html; --open shows it in a browser
-  test           every check: formatters, linters, licences, Rust tests, docs, Python tests with the FMUs
-                 in fmpy, ecos, libcosim and the fmi crate
+  test           every check: formatters, linters, licences, Rust tests, docs, 60 s of each fuzz
+                 target, all platforms, Python tests with the FMUs in fmpy, ecos, libcosim and
+                 the fmi crate
   bench [--quick]
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing
@@ -47,8 +48,9 @@ commands:
   docs           the docs site into target/docs
   platforms [--build-std]
                  FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, all
-                 run over the paper's scenario, under qemu and wine, with the same bits; where
-                 rustup has no such targets, or with --build-std, by Debian's compiler
+                 run over the paper's scenario, under qemu and wine, with the same bits; for
+                 macOS in target/platforms/darwin, not run; where rustup has no such targets,
+                 or with --build-std, by Debian's compiler
   ci             demo, then test: what a change must pass
 
 set-up (done by every command, kept between runs):

@@ -1,9 +1,11 @@
 //! `cargo xtask test`: every check, the quick ones first, pytest and its summary last.
 
 use crate::dependencies;
+use crate::fuzz;
 use crate::native::{self, MASTER};
 use crate::packages;
 use crate::plan::Step;
+use crate::platforms;
 use crate::setup::{Package, Project};
 use std::process::Command;
 
@@ -13,9 +15,12 @@ const ECU: &str = "examples/ecu_observer/Cargo.toml";
 /// The fuzz targets are another: they are built with counters.
 const FUZZ: &str = "tests/fuzz/Cargo.toml";
 
+/// How long each fuzz target runs, in each of two ways [s].
+const FUZZ_SECONDS: u32 = 60;
+
 /// The steps of `cargo xtask test`.
 pub fn steps(project: &Project) -> Vec<Step> {
-    vec![
+    let mut steps = vec![
         project.system_packages(&[Package::Chromium, Package::Tbb, Package::Valgrind]),
         project.python_packages(),
         Step::commands("formatters: rustfmt, ruff", formatters(project)),
@@ -35,8 +40,11 @@ pub fn steps(project: &Project) -> Vec<Step> {
         ),
         native::module(project),
         native::repeat(project),
-        Step::commands("Python tests", vec![pytest(project)]),
-    ]
+    ];
+    steps.extend(fuzz::steps(project, FUZZ_SECONDS));
+    steps.extend(platforms::checks(project, false));
+    steps.push(Step::commands("Python tests", vec![pytest(project)]));
+    steps
 }
 
 fn formatters(project: &Project) -> Vec<Command> {

@@ -7,8 +7,10 @@ use std::process::Command;
 
 /// Threads of its own kind: `windows-gnu` leaks a TLS index with every load of a library.
 pub const WINDOWS: &str = "x86_64-pc-windows-gnullvm";
+/// Both kinds of Mac.
+pub const APPLE: [&str; 2] = ["x86_64-apple-darwin", "aarch64-apple-darwin"];
 /// Targets that the machine's own compiler may lack.
-pub const FOREIGN: [&str; 2] = ["aarch64-unknown-linux-gnu", WINDOWS];
+pub const FOREIGN: [&str; 4] = ["aarch64-unknown-linux-gnu", WINDOWS, APPLE[0], APPLE[1]];
 /// What is built for other machines stays apart: it may come of another compiler.
 pub const FOLDER: &str = "target/cross";
 
@@ -59,12 +61,17 @@ impl Compiler {
         }
     }
 
-    /// Makes `command`, or what it starts, compile with it: zig in the path, mingw's gcc as linker.
-    pub fn equip(self, command: &mut Command) {
+    /// Makes `command`, or what it starts, compile with it: zig and, last, the folders `tools` in
+    /// the path, mingw's gcc as linker.
+    pub fn equip(self, command: &mut Command, tools: &[&Path]) {
         let root = std::env::current_dir().unwrap_or_default();
         let mut path = root.join(".venv/bin").into_os_string();
         path.push(":");
         path.push(std::env::var_os("PATH").unwrap_or_default());
+        for folder in tools {
+            path.push(":");
+            path.push(folder);
+        }
         command
             .env("PATH", path)
             .env("CARGO_TARGET_DIR", root.join(FOLDER))

@@ -1,10 +1,11 @@
 //! `cargo xtask platforms`: FMUs for linux64, aarch64-linux and win64, each run over the paper's
 //! scenario, here, under qemu and under wine, with the same bits.
 
+mod apple;
 mod compiler;
 mod replay;
 
-use crate::plan::{Failure, Step};
+use crate::plan::Step;
 use crate::setup::Project;
 use compiler::{Compiler, WINDOWS};
 use std::process::Command;
@@ -18,10 +19,16 @@ const LOADS: &str = "1500";
 
 /// The steps of `cargo xtask platforms`; `build_std`: without rustup's targets.
 pub fn steps(project: &Project, build_std: bool) -> Vec<Step> {
+    let mut steps = vec![project.python_packages()];
+    steps.extend(checks(project, build_std));
+    steps
+}
+
+/// The same where the Python packages are there already.
+pub fn checks(project: &Project, build_std: bool) -> Vec<Step> {
     let compiler = Compiler::choose(build_std);
     vec![
         project.system_packages(compiler.packages()),
-        project.python_packages(),
         Step::commands("zig", vec![zig(project)]),
         Step::commands(
             format!("FMUs for all three: {}", compiler.title()),
@@ -34,16 +41,8 @@ pub fn steps(project: &Project, build_std: bool) -> Vec<Step> {
         Step::commands("importers in C for qemu and wine", importers(project)),
         replay::step(),
         Step::commands("loads of the library for Windows", loads()),
-        Step::new("darwin64, aarch64-darwin", say_what_is_not_done),
+        apple::step(project, compiler),
     ]
-}
-
-/// Nothing here links or runs code for macOS.
-fn say_what_is_not_done() -> Result<(), Failure> {
-    println!(
-        "      not done: they need Apple's SDK; `cargo fmu merge` adds libraries built on a Mac"
-    );
-    Ok(())
 }
 
 fn zig(project: &Project) -> Command {
@@ -65,7 +64,7 @@ fn fmus(compiler: Compiler) -> Command {
         command.arg("--target");
         command.arg(format!("{machine}-unknown-linux-gnu.{GLIBC}"));
     }
-    compiler.equip(&mut command);
+    compiler.equip(&mut command, &[]);
     command
 }
 
