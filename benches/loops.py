@@ -153,7 +153,9 @@ class Loops:
             spent = _cpu(lambda: rows.extend(loop.steps(times)))
         finally:
             loop.close()
-        ((_, ours, error),) = self.module.run([run.plan], run.times, run.script, 1)
+        ((_, ours, error),) = self.module.run(
+            [run.plan], run.times, np.ascontiguousarray(run.script), 1
+        )
         if error or not np.array_equal(ours, rows):
             raise SystemExit(f"the plain loop and the compiled master differ: {error}")
         return spent
