@@ -2,7 +2,8 @@
 
 Five axes, each varied alone: runs, communication step, recorded signals, instances in a process,
 threads. Every point is a process of its own. Writes growth.md, growth.json and growth.svg into
-target/bench; the docs hold a copy.
+target/bench; the docs hold a copy. Shown is CPU time, which others on the machine disturb least;
+growth.json has the time that passed too.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ UNITS = {
     "threads": ("run", "ms", 1e3),
 }
 LINEAR = ("runs", "steps per second", "instances", "instances, own parameters")
-COLOURS = {"cpu": "#3266ad", "wall": "#b34700", "memory": "#3d8c40"}
+COLOURS = {"cpu": "#3266ad", "memory": "#3d8c40"}
 SIZE = (11.0, 11.5)  # inches
 
 
@@ -33,25 +33,22 @@ def _axes(points: Told) -> list[tuple[str, Told]]:
 
 def table(points: Told) -> str:
     """Return a Markdown table: whole cost, and cost of one unit."""
-    lines = [
-        "| axis | size | CPU time | time | CPU time of one | memory |",
-        "|---|--:|--:|--:|--:|--:|",
-    ]
+    heads = ("axis", "size", "CPU time", "CPU time of one", "memory")
+    lines = [f"| {' | '.join(heads)} |", "|---|--:|--:|--:|--:|"]
     for point in points:
         what, unit, factor = UNITS[point["axis"]]
         one = f"{point['cpu'] / point['units'] * factor:.3g} {unit} per {what}"
         memory = f"{point['memory'] / MIB:.3g} MiB"
         lines.append(f"| {point['axis']} | {point['size']:,g} | {point['cpu']:.3g} s "
-                     f"| {point['wall']:.3g} s | {one} | {memory} |")  # fmt: skip
+                     f"| {one} | {memory} |")  # fmt: skip
     return "\n".join(lines) + "\n"
 
 
 def _panel(axes: Any, axis: str, points: Told) -> None:
     sizes = np.array([point["size"] for point in points])
     some = sizes > 0
-    for key, label in (("cpu", "CPU time"), ("wall", "time")):
-        values = np.array([point[key] for point in points])
-        axes.plot(sizes[some], values[some], "o-", color=COLOURS[key], label=label, markersize=4)
+    values = np.array([point["cpu"] for point in points])
+    axes.plot(sizes[some], values[some], "o-", color=COLOURS["cpu"], label="CPU time", markersize=4)
     if axis in LINEAR:
         last = points[-1]
         straight = last["cpu"] * sizes[some] / last["size"]
@@ -61,15 +58,18 @@ def _panel(axes: Any, axis: str, points: Told) -> None:
     beside.plot(sizes[some], memory[some], "s--", color=COLOURS["memory"], markersize=4)
     beside.set_ylabel("memory [MiB]", color=COLOURS["memory"])
     for side in (axes, beside):
-        side.set_yscale("log")
+        if axis in LINEAR:
+            side.set_yscale("log")
+        else:
+            side.set_ylim(bottom=0.0)
     axes.set_xscale("log")
     axes.set_xlabel(axis)
-    axes.set_ylabel("time [s]")
+    axes.set_ylabel("CPU time [s]")
     axes.grid(alpha=0.3)
 
 
 def draw(points: Told, out: Path) -> None:
-    """Draw a panel per axis, logarithmic: time, memory, and time in proportion to the work."""
+    """Draw a panel per axis; logarithmic where the work grows along it."""
     mpl.rcParams.update({"svg.hashsalt": "growth", "font.size": 9})
     figure = Figure(figsize=SIZE, layout="constrained")
     panels = figure.subplots(3, 2)
@@ -79,7 +79,7 @@ def draw(points: Told, out: Path) -> None:
     handles, labels = panels[0][0].get_legend_handles_labels()
     handles.append(mpl.lines.Line2D([], [], color=COLOURS["memory"], linestyle="--", marker="s"))
     labels.append("memory")
-    figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
     part = out.with_suffix(".part")
     figure.savefig(part, format="svg", metadata={"Date": None})
     os.replace(part, out)

@@ -54,8 +54,9 @@ pub struct Adaptive {
     pub g: [f64; 2],
     /// What tells that the inputs make no sense.
     pub monitor: Monitor,
-    /// The discrete model and what it was made for: derived, not part of the state.
-    cache: Option<Cache>,
+    /// The last two discrete models and what they were made for: derived, not part of the state. Two, since
+    /// steps of a third of a millisecond alternate between two lengths, of whole picoseconds.
+    cache: [Option<Cache>; 2],
 }
 
 /// What one sample brings.
@@ -91,7 +92,7 @@ impl Default for Adaptive {
             saturated: 0.0,
             g: [1.0; 2],
             monitor: Monitor::default(),
-            cache: None,
+            cache: [None; 2],
         }
     }
 }
@@ -286,9 +287,11 @@ impl Adaptive {
     }
 
     fn discrete(&mut self, model: &Reduced, l: &SMatrix<f64, 3, 2>, h: f64) -> &Discrete {
-        let known = |cache: &Cache| (&cache.model, &cache.l, cache.h) == (model, l, h);
-        if !self.cache.as_ref().is_some_and(known) {
-            self.cache = None;
+        let fits = |cache: &Cache| (&cache.model, &cache.l, cache.h) == (model, l, h);
+        let known = self.cache.iter().position(|c| c.as_ref().is_some_and(fits));
+        if known.is_none() {
+            self.cache.swap(0, 1);
+            self.cache[0] = None;
         }
         let made = || Cache {
             model: *model,
@@ -296,7 +299,8 @@ impl Adaptive {
             h,
             discrete: model.discrete(l, h),
         };
-        &self.cache.get_or_insert_with(made).discrete
+        let place = &mut self.cache[known.unwrap_or(0)];
+        &place.get_or_insert_with(made).discrete
     }
 
     /// μ̂·f [N/m] and T̂_c [N·m] of (23), (24).
