@@ -68,6 +68,7 @@ class _Planned(NativeRun):
 
     def _loop(self, progress: Any) -> None:
         self.plan = json.dumps(self._plan())
+        self.script = np.ascontiguousarray(self.script)
 
 
 def planned(file: Path, step: float, stop: float) -> _Planned:

@@ -5,7 +5,7 @@
 //! ```
 
 use cosim_master::{Error, Job, Libraries, Plan, Run, run_into};
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
@@ -34,6 +34,11 @@ fn run<'py>(
     script: PyReadonlyArray2<'py, f64>,
     threads: usize,
 ) -> PyResult<Vec<Made<'py>>> {
+    if !script.is_c_contiguous() {
+        return Err(value_error(
+            "script must lie row by row: numpy.ascontiguousarray",
+        ));
+    }
     let (times, script) = (times.as_slice()?, script.as_slice()?);
     let threads = NonZero::new(threads).ok_or_else(|| value_error("threads must be above 0"))?;
     let jobs = plans.iter().map(|text| job(text, times, script));
