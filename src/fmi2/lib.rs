@@ -2,6 +2,7 @@
 #![deny(unsafe_code)]
 
 mod check;
+mod enumeration;
 mod error;
 mod export;
 pub mod ffi;
@@ -20,6 +21,7 @@ pub mod variable;
 mod variables;
 
 pub use check::check;
+pub use enumeration::{Enumeration, Item};
 pub use error::{Error, Status};
 pub use guid::guid;
 pub use instance::{Instance, TIME_TOLERANCE, provides_directional_derivatives};
@@ -28,4 +30,4 @@ pub use saved::Saved;
 pub use state::{Call, State};
 pub use unit::{DisplayUnit, Unit};
 pub use value::Value;
-pub use variable::{Access, Causality, Enumeration, Initial, Item, Variability, Variable};
+pub use variable::{Access, Causality, Initial, Variability, Variable};

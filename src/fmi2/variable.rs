@@ -14,7 +14,7 @@
 //! # assert_eq!(VARIABLES[2].name, "level");
 //! ```
 
-use crate::Unit;
+use crate::{Enumeration, Unit};
 
 /// How the shell reaches a variable of model `M`, and its FMI type: to read it as well.
 ///
@@ -50,28 +50,6 @@ impl<M> Access<M> {
             Self::Enumeration(..) => "Enumeration",
         }
     }
-}
-
-/// An enumeration type of the model description.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Enumeration {
-    /// Type name, e.g. `ValveState`.
-    pub name: &'static str,
-    /// What it tells.
-    pub description: &'static str,
-    /// Its values; unique, ascending.
-    pub items: &'static [Item],
-}
-
-/// One value of an [`Enumeration`].
-#[derive(Debug, PartialEq, Eq)]
-pub struct Item {
-    /// Name, e.g. `opening`.
-    pub name: &'static str,
-    /// Value at the ABI.
-    pub value: i32,
-    /// What it means.
-    pub description: &'static str,
 }
 
 /// FMI's `causality`.
