@@ -21,7 +21,10 @@ impl Table {
             return String::new();
         }
         let cells = |tag: &str, cells: &[String]| {
-            let cell = |cell: &String| format!("<{tag}>{cell}</{tag}>");
+            let cell = |cell: &String| match cell.parse::<f64>() {
+                Ok(_) => format!("<{tag} class=\"number\">{cell}</{tag}>"),
+                Err(_) => format!("<{tag}>{cell}</{tag}>"),
+            };
             cells.iter().map(cell).collect::<String>()
         };
         let columns: Vec<String> = self.columns.iter().map(|name| (*name).to_owned()).collect();
