@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Gates that no machine and no load can change, and that hold.
+# Gates that no machine and no load can change, and that hold in a short run as well.
 EXACT = (
     "empty model / empty C FMU",
     "plant at 1 ms / empty C FMU",

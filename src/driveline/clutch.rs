@@ -34,6 +34,7 @@ impl ForceMap {
     /// F_n of Fig. 6: normal force [N] at an actuator position, constant outside the map.
     ///
     /// `theta`: actuator position θ_m [m].
+    #[inline(always)]
     pub fn force(&self, theta: f64) -> f64 {
         interpolate(&self.position, &self.force, theta)
     }
@@ -75,6 +76,7 @@ impl ForceMap {
 }
 
 /// Value of the piecewise linear `y(x)`, at the left end of a vertical piece, constant outside.
+#[inline(always)]
 fn interpolate(xs: &[f64; MAP_POINTS], ys: &[f64; MAP_POINTS], x: f64) -> f64 {
     if x <= xs[0] {
         return ys[0];

@@ -95,6 +95,7 @@ pub struct Actuation {
 impl ClutchParams {
     /// F_n [N], ≥ 0: the force-position map (Fig. 6), or for a piston its pressure times area less
     /// the return spring.
+    #[inline(always)]
     pub fn force(&self, actuation: Actuation) -> f64 {
         if self.piston_area > 0.0 {
             (actuation.pressure * self.piston_area - self.return_force).max(0.0)

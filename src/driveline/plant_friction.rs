@@ -9,6 +9,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::Params;
+use crate::friction::CURVE_POINTS;
 use crate::integrate::Rung;
 use crate::integrate::{LADDER, TICKS, ticks};
 use crate::params::ClutchParams;
@@ -43,7 +44,9 @@ pub(crate) fn longest_varying(h: f64) -> usize {
 impl Params {
     /// Whether the friction of a slipping clutch is anything but μ_k.
     pub(crate) const fn friction_varies(&self) -> bool {
-        self.clutch[0].varies() || self.clutch[1].varies()
+        let [one, two] = &self.clutch;
+        let bits = one.variation() | two.variation();
+        bits != 0 && (one.varies() || two.varies())
     }
 
     /// These parameters; where friction varies, with a static friction of the present temperature that is
@@ -71,6 +74,11 @@ impl Params {
 impl ClutchParams {
     const fn varies(&self) -> bool {
         self.curve.varies() || self.thermal.is_on()
+    }
+
+    /// Bits of what [`Self::varies`] asks, of which most clutches have none.
+    const fn variation(&self) -> u64 {
+        self.curve.slip[CURVE_POINTS - 1].to_bits() | self.thermal.capacity.to_bits()
     }
 }
 

@@ -26,6 +26,7 @@ use crate::plant::Plant;
 use crate::plant_matrices::{
     C, O, SPEEDS, State, TWIST_T, Torques, mobility, rigid_ratio, slip_row, synchroniser_row,
 };
+use crate::plant_mesh::Meshes;
 use crate::plant_modes::{Guard, Mode, ZERO_SLIP};
 use crate::plant_ports::{Input, InputRate};
 use crate::plant_springs::stored_energy;
@@ -64,7 +65,12 @@ impl Plant {
     }
 
     /// What is connected to what.
+    #[inline(always)]
     pub fn coupling(&self) -> Coupling {
+        let plain = self.synchroniser == [Mode::Open; 2] && self.meshes == Meshes::IDEAL;
+        if plain && self.brake == Mode::Open {
+            return self.gear.into(); // the usual, without any question more
+        }
         Coupling {
             gear: self.gear,
             synchronising: self.synchroniser.map(|mode| mode != Mode::Open),

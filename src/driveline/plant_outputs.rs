@@ -4,7 +4,7 @@ use crate::Params;
 use crate::plant::Plant;
 use crate::plant_block::torques;
 use crate::plant_brake::drive_shaft_torque;
-use crate::plant_matrices::{C, D, E, O, Systems, W};
+use crate::plant_matrices::{C, D, E, O, Systems, TWIST_D, W};
 use crate::plant_modes::{Mode, stuck_set};
 use crate::plant_ports::{ClutchState, Input, Output};
 
@@ -17,21 +17,20 @@ impl Plant {
     }
 
     /// Of [`Self::outputs`] the speeds and the torques T_d and T_o into their places.
-    pub fn write_speeds(&self, systems: &Systems, y: &mut Output) {
+    pub fn write_speeds(&self, p: &Params, y: &mut Output) {
         let x = &self.x;
         (y.omega_e, y.omega_d, y.omega_c) = (x[E], x[D], [x[C], x[C + 1]]);
         (y.omega_o, y.omega_w) = (x[O], x[W]);
-        (y.t_d, y.t_o) = (
-            systems.spring_torque_of(0, x),
-            systems.spring_torque_of(3, x),
-        );
+        y.t_d = p.k_d * x[TWIST_D] + p.c_d * (x[E] - x[D]);
+        y.t_o = drive_shaft_torque(p, x);
     }
 
     /// A sum of squares of states and of everything booked: not finite as soon as any of them is not.
     #[inline(never)] // a function of its own has registers for it
     pub fn size(&self) -> f64 {
-        let mut lanes = [0.0; 2];
-        for x in self.x.data.0[0].as_chunks::<2>().0 {
+        let x = &self.x.data.0[0];
+        let mut lanes = [x[0] * x[0], x[1] * x[1]];
+        for x in x[2..].as_chunks::<2>().0 {
             lanes[0] += x[0] * x[0];
             lanes[1] += x[1] * x[1];
         }
@@ -68,7 +67,9 @@ impl Plant {
             _ => v[1 + i],
         });
         let slip = self.slip();
-        let [t_d, mut t_t @ .., t_o] = systems.spring_torques(x);
+        let t_d = p.k_d * x[TWIST_D] + p.c_d * (x[E] - x[D]);
+        let t_o = drive_shaft_torque(p, x);
+        let mut t_t = [1, 2].map(|j| systems.spring_torque_of(j, x));
         if systems.rigid_ratio != [0.0; 2] {
             t_t = self.rigid_shaft_torques(p, systems, t_c, t_o);
         }

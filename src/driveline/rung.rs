@@ -236,11 +236,16 @@ impl Rung {
             rows[..MAIN].copy_from_slice(&main);
             (rows[MAIN], rows[MAIN + 1]) = (self.ratio[0] * main[2], self.ratio[1] * main[2]);
         } else {
-            let columns = self.columns[SHAFTS..].iter();
-            for (column, z) in columns.zip(&z[SHAFTS..CLUTCH_RAMPS]) {
+            let held = rows;
+            rows = self.columns[SHAFTS].map(|entry| entry * z[SHAFTS]);
+            let columns = self.columns[SHAFTS + 1..].iter();
+            for (column, z) in columns.zip(&z[SHAFTS + 1..CLUTCH_RAMPS]) {
                 add(&mut rows, column, *z);
             }
             self.add_core(&mut rows, z);
+            for row in 6..MAIN {
+                rows[row] += held[row];
+            }
         }
         Motion(rows)
     }

@@ -86,21 +86,26 @@ impl Loss {
     #[inline(never)] // a function of its own has registers for it
     fn of_rigid(&self, z: &Entries) -> f64 {
         let mut sum = [0.0; SHAFTS];
+        for (sum, entry) in sum.iter_mut().zip(&self.ramps[0]) {
+            *sum = entry * z[LOAD_RAMP];
+        }
         self.add_core(z, &mut sum);
         dot(&sum, z)
     }
 
     #[inline(never)]
     fn of_compliant(&self, z: &Entries) -> f64 {
-        let mut sum = [0.0; CLUTCH_RAMPS];
-        for (column, z) in self.shafts.iter().zip(&z[SHAFTS..]) {
+        let [first, others @ ..] = &self.shafts;
+        let mut sum = first.map(|entry| entry * z[SHAFTS]);
+        for (column, z) in others.iter().zip(&z[SHAFTS + 1..]) {
             add(&mut sum, column, *z);
         }
+        add(&mut sum, &self.ramps[0], z[LOAD_RAMP]);
         self.add_core(z, &mut sum);
         dot(&sum, z)
     }
 
-    /// Adds the columns before those of the shafts.
+    /// Adds the columns before those of the shafts but for T_v'.
     #[inline(always)]
     fn add_core<const N: usize>(&self, z: &Entries, sum: &mut [f64; N]) {
         for (column, z) in self.clutches.iter().zip(&z[CLUTCHES..]) {
@@ -108,7 +113,6 @@ impl Loss {
                 add(sum, column, *z);
             }
         }
-        add(sum, &self.ramps[0], z[LOAD_RAMP]);
         for (column, z) in self.torques.iter().zip(&z[FIRST_TORQUE..]) {
             add(sum, column, *z);
         }

@@ -161,17 +161,10 @@ impl Plant {
         ];
     }
 
-    /// Outputs that are there without being asked for: speeds, and torques of springs between them.
-    fn read_speeds(&mut self) {
-        let coupling = self.state.coupling();
-        let systems = self.propagation.systems(&self.p, coupling);
-        self.state.write_speeds(systems, &mut self.y);
-    }
-
     /// Refuses to go on with what is no number: every output is a sum of products of two of these terms.
     fn check_finite(&self, time: f64) -> Result<(), Failure> {
-        let [first, second] = self.jerk_filter.state;
-        let terms = self.state.size() + first + second;
+        let [_, second] = self.jerk_filter.state; // behind the first, which is behind the speed
+        let terms = self.state.size() + second;
         if terms.is_finite() {
             return Ok(());
         }
@@ -243,7 +236,7 @@ impl Model for Plant {
             });
         self.jerk_filter
             .advance(speed, self.speed(), step, self.jerk_time);
-        self.read_speeds();
+        self.state.write_speeds(&self.p, &mut self.y);
         self.check_finite(time + step)
     }
 

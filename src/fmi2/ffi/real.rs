@@ -68,8 +68,8 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
         }
         words |= real(saved, reference).word;
     }
-    let waits = const { some_on_demand::<M>() } && words & ON_DEMAND != 0 && saved.late;
-    let plain = words & ELSEWHERE == 0 && !waits;
+    let late = const { some_on_demand::<M>() } && saved.late;
+    let plain = words & (ELSEWHERE | (u64::from(late) * ON_DEMAND)) == 0;
     if plain {
         for (&reference, value) in references.iter().zip(values).rev() {
             *value = *field(saved, reference);
