@@ -5,6 +5,11 @@ compliant transfer shafts, against an RK4 of the same ten states at 1/16 ms, the
 that divides a millisecond (at 0.1 ms it diverges); DctPlant with `transmission.rigid` against an
 RK4 of the same rigid driveline at 0.1 ms. The peers have the plant's inputs with their rates and
 its outputs, friction energies included, but not jerk, filtered acceleration and energy residual.
+
+The rigid gates are missed. Of the 1,580 instructions of a rigid exchange at 1 ms some 400 are the
+shell's and the driver's, 140 the motion, 120 the losses of the dampers, 110 the watch on a clutch,
+55 the end of the step, 75 the force maps, 45 the check for numbers; what is left, some 630, chooses
+the rung and finds and books loads and works. A gate of 22 leaves 1,080 for all of it.
 """
 
 from __future__ import annotations
