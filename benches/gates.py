@@ -17,6 +17,8 @@ from __future__ import annotations
 import gates_loops
 import numpy as np
 from gate import Gate
+from isolation import isolation
+from loops import FMUS
 from measure import Bench
 
 FINE, COARSE = 1e-3, 1e-2
@@ -108,6 +110,7 @@ def measured(bench: Bench) -> list[Gate]:
         *starts(bench),
         *memory(bench),
         *gates_loops.loops(bench),
+        *isolation(FMUS / "DctPlant.fmu"),
     ]
 
 

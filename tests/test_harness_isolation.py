@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dct_harness import results
+from dct_harness.isolated import Isolated, Limits
+from dct_harness.remote import Remote
 from harness_fixture.lag_fmu import run, write_system
-from isolation_cost import DEARER, extra
 
 (CRASH, HANG, EXIT, FORK, FLOOD, CHDIR, PRINT, MEMORY, DAEMON, ABORT, GARBAGE, CLOSE, IGNORE_TERM,
  HANG_AT_END) = range(1, 15)  # fmt: skip
@@ -118,5 +119,28 @@ def test_the_other_process_gives_the_same_bits(tmp_path: Path, hostile: Path, is
     assert _rows(tmp_path) == 1001
 
 
-def test_a_step_in_another_process_costs_little(hostile: Path) -> None:
-    assert 0 < extra(hostile / "Lag.fmu") < DEARER  # 11 µs alone on a machine, measured
+def test_a_step_asks_the_other_process_once(hostile: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With inputs and outputs; what that takes is measured by `cargo xtask bench`."""
+    asked: list[bytes] = []
+    send = Remote.send
+
+    def counted(remote: Remote, letter: bytes, doing: str) -> int:
+        asked.append(letter)
+        return send(remote, letter, doing)
+
+    monkeypatch.setattr(Remote, "send", counted)
+    fmu = Isolated("plant", hostile / "Lag.fmu", Limits())
+    try:
+        fmu.initialize(1.0, {})
+        inputs, outputs = np.ones(len(fmu.inputs)), np.zeros(len(fmu.outputs))
+        fmu.bind(inputs, outputs)
+        fmu.exit_initialization()
+        asked.clear()
+        monkeypatch.delattr(Remote, "ask")  # the long way, in JSON
+        for k in range(5):
+            fmu.step(k * 1e-3, 1e-3)
+        assert len(asked) == 5, asked
+        assert outputs[0] != 0
+    finally:
+        monkeypatch.undo()
+        fmu.close()
