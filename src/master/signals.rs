@@ -3,6 +3,7 @@
 use crate::description::{Family, Variable};
 use fmi::fmi2::Fmi2Error;
 use fmi::fmi2::instance::{Common, InstanceCS};
+use num_traits::AsPrimitive;
 
 /// What an FMU function that failed is called, and the status it returned.
 pub type Failure = (&'static str, Fmi2Error);
@@ -109,7 +110,20 @@ impl Signals {
 }
 
 /// A number as an integer: exact for every i32, saturating beyond.
-#[allow(clippy::cast_possible_truncation)] // saturation is what is wanted
 fn integer(value: f64) -> i32 {
-    value as i32
+    value.as_()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::integer;
+
+    #[test]
+    fn integers_are_exact_and_saturate_beyond_their_range() {
+        for exact in [i32::MIN, -1, 0, 7, i32::MAX] {
+            assert_eq!(integer(f64::from(exact)), exact);
+        }
+        assert_eq!((integer(3e9), integer(-3e9)), (i32::MAX, i32::MIN));
+        assert_eq!((integer(2.9), integer(f64::NAN)), (2, 0));
+    }
 }
