@@ -42,10 +42,10 @@
 
 use crate::Params;
 use crate::coupling::Coupling;
-use crate::plant_matrices::Systems;
+use crate::plant::matrices::Systems;
+use crate::rung::builder::{Builder, active};
+use crate::rung::watch::Watch;
 pub use crate::rung::{Motion, Rung, Start};
-use crate::rung_builder::{Builder, active};
-use crate::rung_watch::Watch;
 use nalgebra::SMatrix;
 
 /// Levels of the ladder below a whole step: events are located to h/4^LADDER.
@@ -176,7 +176,7 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
 mod tests {
     use super::{DOUBLINGS, LADDER, Propagators};
     use crate::Params;
-    use crate::plant_matrices::{State, Torques, W};
+    use crate::plant::matrices::{State, Torques, W};
 
     const H: f64 = 1e-3;
 

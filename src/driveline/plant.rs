@@ -24,10 +24,10 @@
 //!
 //! # Events
 //!
-//! Guards (`plant_block.rs`) end a block; a block that may hide an event is cut until a tick holds it.
+//! Guards (`plant/block.rs`) end a block; a block that may hide an event is cut until a tick holds it.
 //! A step holds up to 32 events; if there are more its rest is one smooth piece, which bounds its work.
 //!
-//! An ordinary step asks none of this: `plant_quiet.rs` takes it at the top rung where both ends of each
+//! An ordinary step asks none of this: `plant/quiet.rs` takes it at the top rung where both ends of each
 //! guard are clear, and gives the same numbers to round-off.
 //!
 //! [`integrate`]: crate::integrate
@@ -46,15 +46,30 @@
 //! assert!(y.slip[0] < 90.0 && y.vehicle_speed > 0.0);
 //! ```
 
+mod block;
+mod brake;
+mod empty;
+mod friction;
+mod gear;
+pub mod matrices;
+pub mod mesh;
+pub mod modes;
+mod outputs;
+mod ports;
+mod quiet;
+mod rows;
+mod springs;
+mod tangent;
+
 use crate::Params;
 use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
-use crate::plant_block::Block;
-use crate::plant_friction::longest_varying;
-use crate::plant_matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
-use crate::plant_mesh::Meshes;
-use crate::plant_modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
-pub use crate::plant_ports::{ClutchState, Input, InputRate, Output, Work};
+use crate::plant::block::Block;
+use crate::plant::friction::longest_varying;
+use crate::plant::matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
+use crate::plant::mesh::Meshes;
+use crate::plant::modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
+pub use crate::plant::ports::{ClutchState, Input, InputRate, Output, Work};
 use crate::shaft::Grade;
 use crate::thermal::Thermal;
 
@@ -64,7 +79,7 @@ const MAX_EVENTS: u32 = 32;
 /// Everything a run carries from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant {
-    /// Speeds [rad/s] and twists [rad], shape (10); see [`crate::plant_matrices`].
+    /// Speeds [rad/s] and twists [rad], shape (10); see [`crate::plant::matrices`].
     pub x: State,
     /// Modes of the two clutches, shape (2).
     pub modes: [Mode; 2],

@@ -12,21 +12,26 @@
 //! ```
 //!
 //! A rung is built from columns for z = (x, v, v') and rows without the constant terms. Doubling a span
-//! (`rung_builder.rs`) uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
+//! (`rung/builder.rs`) uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
 //! r(2t) = r(t) + r(t) Ψ(t), but for the moments, which also gain t times the angles of the second
 //! half. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
 //!
 //! A finished rung keeps the rows of the transfer shafts, which follow the output where they are rigid, and those
 //! of the slips, which only a slipping clutch needs, apart from what every step needs, and the losses
-//! packed: see `rung_loss.rs`.
+//! packed: see `rung/loss.rs`.
 
-use crate::plant_matrices::{
+pub(crate) mod builder;
+mod loss;
+pub(crate) mod start;
+pub(crate) mod watch;
+
+use crate::plant::matrices::{
     C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
 };
-use crate::rung_builder::Builder;
-use crate::rung_loss::Loss;
-pub use crate::rung_start::Start;
-use crate::rung_start::{
+use crate::rung::builder::Builder;
+use crate::rung::loss::Loss;
+pub use crate::rung::start::Start;
+use crate::rung::start::{
     CLUTCH_RAMPS, CLUTCHES, COLUMNS, CORE, ENTRIES, Entries, RAMPS, SHAFTS, TORQUE,
 };
 

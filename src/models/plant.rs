@@ -18,10 +18,10 @@ use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
+use dct_driveline::plant::matrices::{State, W};
+use dct_driveline::plant::mesh::Meshes;
+use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
-use dct_driveline::plant_matrices::{State, W};
-use dct_driveline::plant_mesh::Meshes;
-use dct_driveline::plant_modes::Mode;
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 use inputs::Inputs;
 use propagation::{OneStep, Propagation};
@@ -312,7 +312,7 @@ impl Model for Plant {
 #[cfg(test)]
 mod tests {
     use super::{Output, Params, Plant, driveline};
-    use dct_driveline::plant_matrices::Systems;
+    use dct_driveline::plant::matrices::Systems;
 
     #[test]
     fn a_fresh_plant_is_one_that_started_at_rest() {

@@ -4,9 +4,9 @@
 
 use dct_driveline::Params;
 use dct_driveline::integrate::Propagators;
+use dct_driveline::plant::matrices::{C, O};
+use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{Input, InputRate, Plant};
-use dct_driveline::plant_matrices::{C, O};
-use dct_driveline::plant_modes::Mode;
 
 const H: f64 = 1e-3;
 const TWO_ODD_GEARS: [f64; 4] = [3.0, 1.4, 0.0, 0.0];

@@ -3,9 +3,9 @@
 use dct_driveline::Params;
 use dct_driveline::friction::FrictionCurve;
 use dct_driveline::integrate::Propagators;
+use dct_driveline::plant::matrices::{C, D, State};
+use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Output, Plant};
-use dct_driveline::plant_matrices::{C, D, State};
-use dct_driveline::plant_modes::Mode;
 
 const GEAR: [i32; 2] = [1, 2];
 const H: f64 = 1e-3;
@@ -191,12 +191,12 @@ fn lock_up_keeps_speed_and_momentum() {
 #[test]
 fn impulse_in_a_clutch_keeps_momentum() {
     for p in variants() {
-        let systems = dct_driveline::plant_matrices::Systems::new(&p, GEAR);
+        let systems = dct_driveline::plant::matrices::Systems::new(&p, GEAR);
         let g = p.g(GEAR);
         let mut x = State::zeros();
         (x[D], x[4], x[C], x[C + 1]) = (100.0, 5.0, 5.0 * g[0], 5.0 * g[1]);
         let mut after = x;
-        dct_driveline::plant_modes::project(&systems, 1, &mut after);
+        dct_driveline::plant::modes::project(&systems, 1, &mut after);
         let moved = after - x;
         let gearbox = if p.rigid {
             p.j_out(g) / g[0] * moved[4]

@@ -3,9 +3,9 @@
 use dct_driveline::Params;
 use dct_driveline::coupling::Coupling;
 use dct_driveline::integrate::Propagators;
+use dct_driveline::plant::matrices::{O, State, Systems, Torques, W, slip};
+use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{Input, InputRate, Output, Plant};
-use dct_driveline::plant_matrices::{O, State, Systems, Torques, W, slip};
-use dct_driveline::plant_modes::Mode;
 
 const H: f64 = 1e-3;
 /// What T_v of (11), a ramp over a step, leaves of 10 ms [rad/s]: second order.

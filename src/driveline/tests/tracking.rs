@@ -18,8 +18,8 @@ use dct_driveline::control::{limit_rate, position};
 use dct_driveline::integrate::Propagators;
 use dct_driveline::observer::{LoadMethod, Observer, Paper, Sample, Settings};
 use dct_driveline::params::Actuation;
+use dct_driveline::plant::matrices::Systems;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Plant};
-use dct_driveline::plant_matrices::Systems;
 use golden_files::Case;
 
 const H: f64 = 1e-3;

@@ -6,7 +6,7 @@ use super::shelf::User;
 use dct_driveline::Params;
 use dct_driveline::coupling::{Coupling, Ladders};
 use dct_driveline::integrate::Propagators;
-use dct_driveline::plant_matrices::Systems;
+use dct_driveline::plant::matrices::Systems;
 use fmi2_cosim::Model;
 use std::sync::Arc;
 

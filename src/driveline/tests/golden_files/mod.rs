@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use dct_driveline::Params;
 use dct_driveline::friction::FrictionCurve;
 use dct_driveline::plant::ClutchState;
-use dct_driveline::plant_modes::Mode;
+use dct_driveline::plant::modes::Mode;
 
 /// Steps of an event that round-off at the touch point may move it by; no torque behind it.
 const TOUCH_STEPS: f64 = 2.0;

@@ -11,16 +11,16 @@
 //!
 //! What an event finds is at most a tick old: a slip of one tick of relative acceleration, removed by an
 //! impulse that keeps momentum; a torque above its capacity by one tick of its rate. After the event
-//! [`resolve`](crate::plant_modes::resolve) takes the modes that are consistent.
+//! [`resolve`](crate::plant::modes::resolve) takes the modes that are consistent.
 
 use crate::Params;
 use crate::integrate::{Motion, Rung, Start};
 use crate::plant::Plant;
-use crate::plant_brake;
-use crate::plant_matrices::{Rows, State, Systems, TORQUES, Torques, W, slip};
-use crate::plant_mesh::Meshes;
-use crate::plant_modes::{Crossing, Event, Guard, Mode, stuck_set};
-use crate::plant_ports::{Input, InputRate};
+use crate::plant::brake;
+use crate::plant::matrices::{Rows, State, Systems, TORQUES, Torques, W, slip};
+use crate::plant::mesh::Meshes;
+use crate::plant::modes::{Crossing, Event, Guard, Mode, stuck_set};
+use crate::plant::ports::{Input, InputRate};
 use crate::shaft::Grade;
 
 /// Index of T_v among the torques.
@@ -223,7 +223,7 @@ impl Block {
             };
             let grade = self.grade_end.at(input.phi);
             let x_dot = system.derivative(&x, &v);
-            guards[BRAKE] = plant_brake::guards(p, &grade, brake, &x, &x_dot, input, &self.rate);
+            guards[BRAKE] = brake::guards(p, &grade, brake, &x, &x_dot, input, &self.rate);
         }
         for i in [0, 1] {
             let force = (

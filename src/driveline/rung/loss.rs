@@ -7,9 +7,9 @@
 //! What a gear mesh loses grows with ω_o itself, and not with differences of speeds alone: with ω_o(0) times
 //! a row that reads the torque in the mesh.
 
-use crate::plant_matrices::{AUGMENTED, C, O, Systems, TWIST_T, W};
+use crate::plant::matrices::{AUGMENTED, C, O, Systems, TWIST_T, W};
+use crate::rung::start::{CLUTCH_RAMPS, CLUTCHES, COLUMNS, ENTRIES, Entries, SHAFTS};
 use crate::rung::{add, dot};
-use crate::rung_start::{CLUTCH_RAMPS, CLUTCHES, COLUMNS, ENTRIES, Entries, SHAFTS};
 
 /// First torque among the entries, then T_v' and T_e'.
 const FIRST_TORQUE: usize = 4;
@@ -143,7 +143,7 @@ mod tests {
     use super::Loss;
     use crate::Params;
     use crate::integrate::Propagators;
-    use crate::plant_matrices::{AUGMENTED, C, D, E, O, STATES, Systems, TWIST_T, W};
+    use crate::plant::matrices::{AUGMENTED, C, D, E, O, STATES, Systems, TWIST_T, W};
 
     type Row = [f64; AUGMENTED];
 

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
-use crate::plant_matrices::{C, D, E, O, SPEEDS, STATES, State, TWIST_D, TWIST_T, W};
+use crate::plant::matrices::{C, D, E, O, SPEEDS, STATES, State, TWIST_D, TWIST_T, W};
 
 /// One torsional spring-damper: T = k·twist + c·rate, rate = `rate`·speeds; it acts on them by −T·`act`.
 #[derive(Debug, Clone, Copy)]

@@ -21,11 +21,11 @@
 
 use crate::Params;
 use crate::plant::Plant;
-use crate::plant_block::Block;
-use crate::plant_brake::drive_shaft_torque;
-use crate::plant_matrices::{O, State, System};
-use crate::plant_modes::{Crossing, Event, Guard, Mode, ZERO_SLIP};
-use crate::plant_springs::transfer_torques;
+use crate::plant::block::Block;
+use crate::plant::brake::drive_shaft_torque;
+use crate::plant::matrices::{O, State, System};
+use crate::plant::modes::{Crossing, Event, Guard, Mode, ZERO_SLIP};
+use crate::plant::springs::transfer_torques;
 
 /// How the gears that are in are loaded and turn; nothing is of interest unless one of them loses power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl Meshes {
 impl Params {
     /// η^s: what becomes of the torque with which a shaft drives the output [1].
     ///
-    /// `power`: s, see [`crate::plant_mesh`].
+    /// `power`: s, see [`crate::plant::mesh`].
     pub(crate) fn mesh_factor(&self, shaft: usize, gear: i32, power: i8) -> f64 {
         match power {
             0 => 1.0,

@@ -2,11 +2,11 @@
 
 use crate::Params;
 use crate::plant::Plant;
-use crate::plant_block::torques;
-use crate::plant_brake::drive_shaft_torque;
-use crate::plant_matrices::{C, D, E, O, Systems, TWIST_D, W};
-use crate::plant_modes::{Mode, stuck_set};
-use crate::plant_ports::{ClutchState, Input, Output};
+use crate::plant::block::torques;
+use crate::plant::brake::drive_shaft_torque;
+use crate::plant::matrices::{C, D, E, O, Systems, TWIST_D, W};
+use crate::plant::modes::{Mode, stuck_set};
+use crate::plant::ports::{ClutchState, Input, Output};
 
 impl Plant {
     /// Outputs at the present instant with the inputs that act at it.

@@ -1,9 +1,9 @@
 //! What a clutch is watched by over the longest rung: rows that read its guards from where the rung starts.
 
 use crate::integrate::Rung;
-use crate::plant_matrices::{Rows, State};
+use crate::plant::matrices::{Rows, State};
 use crate::rung::RAMP;
-use crate::rung_start::{CLUTCH_RAMPS, COLUMNS, Entries, SHAFTS};
+use crate::rung::start::{CLUTCH_RAMPS, COLUMNS, Entries, SHAFTS};
 
 /// Rows for a clutch: its torque at the start and at the end of the rung [N·m], and at the start the rate of that
 /// torque [N·m/s] where it is engaged, else that of its slip [rad/s²].
@@ -66,7 +66,7 @@ impl Watch {
 mod tests {
     use crate::Params;
     use crate::integrate::{LADDER, Propagators};
-    use crate::plant_matrices::{State, Torques};
+    use crate::plant::matrices::{State, Torques};
 
     #[test]
     fn it_reads_what_the_rows_read_at_both_ends() {

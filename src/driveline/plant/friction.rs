@@ -14,10 +14,10 @@ use crate::integrate::Rung;
 use crate::integrate::{LADDER, TICKS, ticks};
 use crate::params::ClutchParams;
 use crate::plant::Plant;
-use crate::plant_block::Block;
-use crate::plant_matrices::slip;
-use crate::plant_modes::Mode;
-use crate::plant_ports::{Input, InputRate};
+use crate::plant::block::Block;
+use crate::plant::matrices::slip;
+use crate::plant::modes::Mode;
+use crate::plant::ports::{Input, InputRate};
 
 /// Newton steps on the ramps; between kinks of a curve each squares the error left.
 const ITERATIONS: u32 = 8;

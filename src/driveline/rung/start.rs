@@ -1,6 +1,6 @@
 //! What moves a driveline, entry by entry: where a rung starts from.
 
-use crate::plant_matrices::{C, E, STATES, State, TORQUES, TWIST_D, TWIST_O, TWIST_T, W};
+use crate::plant::matrices::{C, E, STATES, State, TORQUES, TWIST_D, TWIST_O, TWIST_T, W};
 use crate::rung::RAMP;
 
 /// Entries of a start.

@@ -5,7 +5,7 @@
 //! d/dt (ω_d − ω_ci) = 0; both engaged is the 2×2 case of the same formula.
 //!
 //! Springs act through the transpose of the row that reads their rate of twist, but where a gear mesh
-//! loses power (`plant_mesh.rs`), and inertias through
+//! loses power (`plant/mesh.rs`), and inertias through
 //! the mobility W = Q (Qᵀ J Q)⁻¹ Qᵀ, where speeds = Q·(free speeds). So the rigid variant, with
 //! ω_ci = g_i ω_o, differs from the compliant one in W alone.
 //!
@@ -16,8 +16,8 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
-pub use crate::plant_rows::{Row, Rows};
-use crate::plant_springs::{Spring, spring_torque, springs, storage, viscous};
+pub use crate::plant::rows::{Row, Rows};
+use crate::plant::springs::{Spring, spring_torque, springs, storage, viscous};
 
 /// Number of states: ω_e ω_d ω_c1 ω_c2 ω_o ω_w, then the twists of damper, transfer shafts, drive
 /// shaft.

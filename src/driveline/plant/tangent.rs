@@ -11,7 +11,7 @@
 //! δu = u' the time derivative. Friction power is the one product, T_c · slip.
 //!
 //! ```
-//! use dct_driveline::{Params, plant::{Input, InputRate, Plant}, plant_matrices::{State, Systems}};
+//! use dct_driveline::{Params, plant::{Input, InputRate, Plant}, plant::matrices::{State, Systems}};
 //!
 //! let p = Params::TABLE_1;
 //! let input = Input { force: [1500.0, 0.0], gear: [1, 2], ..Input::default() };
@@ -23,11 +23,11 @@
 
 use crate::Params;
 use crate::plant::Plant;
-use crate::plant_block::torques;
-use crate::plant_brake::drive_shaft_torque;
-use crate::plant_matrices::{C, D, E, O, State, Systems, Torques, W, slip};
-use crate::plant_modes::{Mode, stuck_set};
-use crate::plant_ports::{Input, InputRate, Output};
+use crate::plant::block::torques;
+use crate::plant::brake::drive_shaft_torque;
+use crate::plant::matrices::{C, D, E, O, State, Systems, Torques, W, slip};
+use crate::plant::modes::{Mode, stuck_set};
+use crate::plant::ports::{Input, InputRate, Output};
 
 impl Plant {
     /// Change of the outputs for a change `dx` of the state and `du` of the inputs, in the modes that act.
@@ -155,9 +155,9 @@ mod tests {
     use crate::Params;
     use crate::friction::FrictionCurve;
     use crate::integrate::Propagators;
+    use crate::plant::matrices::State;
+    use crate::plant::modes::Mode;
     use crate::plant::{ClutchState, Input, InputRate, Output, Plant};
-    use crate::plant_matrices::State;
-    use crate::plant_modes::Mode;
     use crate::thermal::Thermal;
 
     /// Of the largest value; the differences below are exact but for round-off where y is linear in u.

@@ -9,10 +9,10 @@
 
 use crate::Params;
 use crate::plant::Plant;
-use crate::plant_block::Block;
-use crate::plant_matrices::{O, State, TWIST_O, W};
-use crate::plant_modes::{CAPACITY_MARGIN, Event, Guard, Mode};
-use crate::plant_ports::{Input, InputRate};
+use crate::plant::block::Block;
+use crate::plant::matrices::{O, State, TWIST_O, W};
+use crate::plant::modes::{CAPACITY_MARGIN, Event, Guard, Mode};
+use crate::plant::ports::{Input, InputRate};
 use crate::shaft::{Grade, sign};
 
 /// Wheel speed that counts as standstill [rad/s]: round-off of a held wheel.

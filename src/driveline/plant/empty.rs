@@ -3,8 +3,8 @@
 use nalgebra::{ArrayStorage, SMatrix};
 
 use crate::coupling::Coupling;
-use crate::plant_matrices::{System, Systems};
-use crate::plant_rows::Rows;
+use crate::plant::matrices::{System, Systems};
+use crate::plant::rows::Rows;
 
 const fn zeros<const R: usize, const C: usize>() -> SMatrix<f64, R, C> {
     SMatrix::from_array_storage(ArrayStorage([[0.0; R]; C]))

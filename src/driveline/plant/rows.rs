@@ -2,7 +2,7 @@
 
 use nalgebra::{RowSVector, SMatrix};
 
-use crate::plant_matrices::{
+use crate::plant::matrices::{
     C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
 };
 
@@ -128,7 +128,7 @@ impl Systems {
 #[cfg(test)]
 mod tests {
     use crate::Params;
-    use crate::plant_matrices::{C, D, State, Systems, Torques, W};
+    use crate::plant::matrices::{C, D, State, Systems, Torques, W};
 
     #[test]
     fn rows_read_what_the_matrices_give() {

@@ -2,7 +2,7 @@
 
 use nalgebra::SMatrix;
 
-use crate::plant_matrices::{AUGMENTED, C, D, E, O, SPEEDS, STATES, System, Systems, TORQUES, W};
+use crate::plant::matrices::{AUGMENTED, C, D, E, O, SPEEDS, STATES, System, Systems, TORQUES, W};
 use crate::rung::{ANGLE, MOMENT, RAMP, ROWS, add};
 
 /// Columns of z = (x, v, v').

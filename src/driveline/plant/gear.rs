@@ -23,13 +23,13 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant::Plant;
-use crate::plant_matrices::{
+use crate::plant::matrices::{
     C, O, SPEEDS, State, TWIST_T, Torques, mobility, rigid_ratio, slip_row, synchroniser_row,
 };
-use crate::plant_mesh::Meshes;
-use crate::plant_modes::{Guard, Mode, ZERO_SLIP};
-use crate::plant_ports::{Input, InputRate};
-use crate::plant_springs::stored_energy;
+use crate::plant::mesh::Meshes;
+use crate::plant::modes::{Guard, Mode, ZERO_SLIP};
+use crate::plant::ports::{Input, InputRate};
+use crate::plant::springs::stored_energy;
 
 /// One constraint per shaft on the six speeds, shape (6, 2); a column of zeros: none.
 type Constraints = SMatrix<f64, SPEEDS, 2>;

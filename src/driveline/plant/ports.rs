@@ -1,6 +1,6 @@
 //! What enters and what leaves the plant.
 
-use crate::plant_modes::Mode;
+use crate::plant::modes::Mode;
 
 /// Inputs of the plant at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

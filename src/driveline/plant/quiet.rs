@@ -1,19 +1,19 @@
 //! The ordinary step: inputs that are held, and nothing that could be an event in it.
 //!
 //! Such a step is one rung of the ladder. It takes no decisions, so it is what `plant.rs` and
-//! `plant_block.rs` do block by block, without their questions. Where any of them might have another
+//! `plant/block.rs` do block by block, without their questions. Where any of them might have another
 //! answer, nothing is done and the step is taken there.
 
 use crate::Params;
 use crate::integrate::{Propagators, Rung};
 use crate::plant::Plant;
-use crate::plant_block::{LOAD, load_ramp, torques};
-use crate::plant_matrices::{C, D, Row, SPEEDS, State, Systems, Torques, W, slip};
-use crate::plant_mesh::Meshes;
-use crate::plant_modes::{Mode, ZERO_SLIP, stuck_set};
-use crate::plant_ports::{Input, InputRate};
-use crate::rung_start::{Entries, RAMPS, TORQUE};
-use crate::rung_watch::Watch;
+use crate::plant::block::{LOAD, load_ramp, torques};
+use crate::plant::matrices::{C, D, Row, SPEEDS, State, Systems, Torques, W, slip};
+use crate::plant::mesh::Meshes;
+use crate::plant::modes::{Mode, ZERO_SLIP, stuck_set};
+use crate::plant::ports::{Input, InputRate};
+use crate::rung::start::{Entries, RAMPS, TORQUE};
+use crate::rung::watch::Watch;
 
 /// The ordinary step, from its start to its end.
 struct Quiet<'a> {
