@@ -1,7 +1,7 @@
 //! Parameter files: a preset as a parameter set of the SSP standard (`.ssv`), written from the tables of
 //! the models and read back into them.
 
-use crate::description::finite;
+use crate::description::{finite, used};
 use crate::drive::whole;
 use crate::library;
 use crate::xml::Element;
@@ -138,15 +138,6 @@ fn parameter<M>(row: &Variable<M>, model: &mut M) -> Result<Element> {
 }
 
 fn units<M>(rows: &[&Variable<M>]) -> Vec<Element> {
-    let mut used: Vec<Unit> = Vec::new();
-    for row in rows
-        .iter()
-        .filter(|row| matches!(row.access, Access::Real(_)))
-    {
-        if used.iter().all(|unit| unit.name != row.unit.name) {
-            used.push(row.unit);
-        }
-    }
     let element = |unit: &Unit| {
         let base = Unit::BASE
             .iter()
@@ -159,7 +150,7 @@ fn units<M>(rows: &[&Variable<M>]) -> Vec<Element> {
             .with("name", unit.name)
             .holding([base])
     };
-    used.iter().map(element).collect()
+    used(rows).iter().map(element).collect()
 }
 
 /// Model `M` with the values of a parameter set that [`text`] wrote.

@@ -17,6 +17,7 @@ use quick_xml::se::Serializer;
 use serde::Serialize;
 
 pub(crate) use number::finite;
+pub(crate) use units::used;
 pub(crate) use variables::{causality, limit, starts, variability};
 
 const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";

@@ -54,17 +54,20 @@ struct DisplayUnitElement {
 
 /// `None` when no variable has a unit.
 pub(super) fn definitions<M>(rows: &[Variable<M>]) -> Result<Option<UnitDefinitions>> {
+    let units = used(&rows.iter().collect::<Vec<_>>());
+    let units = units.iter().map(element).collect::<Result<Vec<_>>>()?;
+    Ok((!units.is_empty()).then_some(UnitDefinitions { units }))
+}
+
+/// The units of the Real variables among `rows`, each once, in their order.
+pub(crate) fn used<M>(rows: &[&Variable<M>]) -> Vec<Unit> {
     let mut used: Vec<Unit> = Vec::new();
-    for row in rows
-        .iter()
-        .filter(|row| matches!(row.access, Access::Real(_)))
-    {
-        if used.iter().all(|unit| unit.name != row.unit.name) {
+    for row in rows {
+        if matches!(row.access, Access::Real(_)) && used.iter().all(|u| u.name != row.unit.name) {
             used.push(row.unit);
         }
     }
-    let units = used.iter().map(element).collect::<Result<Vec<_>>>()?;
-    Ok((!units.is_empty()).then_some(UnitDefinitions { units }))
+    used
 }
 
 fn element(unit: &Unit) -> Result<UnitElement> {
