@@ -15,7 +15,8 @@
 //! | T_v of (11), nonlinear in ω_w: a ramp that meets it at both ends of a block | h², through T_v'' |
 //! | friction over slip: a ramp as well | h² between the kinks of its curve |
 //! | force map with a moving actuator: straight to the force at the end of the step | h² between its points |
-//! | instants of events | at most h/4096, always late: 0.24 µs at 1 ms |
+//! | instants of events | at most a tick, h/4096, always late: 0.24 µs at 1 ms |
+//! | what acted for as long as an event was late | a tick², but at a break-away: a tick of μ_s − μ_k |
 //! | inputs held over a step while they change | h, not of this method: `InputRate` has their slopes |
 //!
 //! Newton's method finds the ramp of the load; it stops when the correction of ω_w is below 10⁻⁸ rad/s,
@@ -26,6 +27,11 @@
 //!
 //! Guards (`plant/block.rs`) end a block; a block that may hide an event is cut until a tick holds it.
 //! A step holds up to 32 events; if there are more its rest is one smooth piece, which bounds its work.
+//!
+//! An event that is δ late is no error of δ in the state, because what the old modes did meanwhile is undone to
+//! first order: at a lock-up by the impulse that removes the slip, at a synchroniser by taking back T_s δ.
+//! At a bend, an opening or the end of a jam both modes give the same acceleration. A break-away alone
+//! keeps μ_s for up to a tick where μ_k acts.
 //!
 //! An ordinary step asks none of this: `plant/quiet.rs` takes it at the top rung where both ends of each
 //! guard are clear, and gives the same numbers to round-off.
@@ -242,7 +248,8 @@ impl Plant {
                 }
                 let before = self.all_modes();
                 if event.synchronised != [false; 2] {
-                    self.put_in(p, event.synchronised);
+                    let since = block.since_synchronised(systems, self, event.synchronised);
+                    self.put_in(p, event.synchronised, since);
                 }
                 let after = propagators.h * f64::from(done) / f64::from(TICKS);
                 self.resolve_all(p, ladders, &now, &rate, &event);

@@ -8,7 +8,8 @@
 //! J_ct ω̇_c = −σ T_s,   J_o ω̇_o = … + σ g T_s,   σ = sgn(ω_c − g ω_o)      until ω_c = g ω_o
 //! ```
 //!
-//! That instant is located like the events of a clutch. T_s |ω_c − g ω_o| is booked as
+//! That instant is located like the events of a clutch, so T_s acts for up to a tick too long: its impulse of
+//! that time is taken back. What is left is of second order in the tick. T_s |ω_c − g ω_o| is booked as
 //! [`Work::synchroniser`](crate::plant::Work::synchroniser), with the elastic energy let go by a gear that goes
 //! out. A clutch that is pressed meanwhile turns the shaft against the synchroniser, which lets go: the
 //! shaft is in neutral, and is synchronised anew when the clutch is open again.
@@ -33,6 +34,8 @@ use crate::plant::springs::stored_energy;
 
 /// One constraint per shaft on the six speeds, shape (6, 2); a column of zeros: none.
 type Constraints = SMatrix<f64, SPEEDS, 2>;
+/// Accelerations by torques on the six inertias, shape (6, 6).
+type Mobility = SMatrix<f64, SPEEDS, SPEEDS>;
 
 impl Plant {
     /// Gears that a step with these inputs has: a shaft keeps its gear while its clutch is pressed, and
@@ -108,23 +111,34 @@ impl Plant {
         let turns_alike = |i: usize| (self.x[C + i] - g[i] * self.x[O]).abs() <= ZERO_SLIP;
         let alike = [0, 1].map(|i| changed[i] && g[i] != 0.0 && turns_alike(i));
         if alike != [false; 2] {
-            self.put_in(p, alike);
+            self.put_in(p, alike, [0.0; 2]);
         }
     }
 
-    /// Puts in the gears of shafts that have been synchronised; the round-off left in their speeds goes by
-    /// impulses that keep momentum.
+    /// Puts in the gears of shafts that turned like them `since` [s] ago, shape (2).
     #[cold]
     #[inline(never)]
-    pub(crate) fn put_in(&mut self, p: &Params, synchronised: [bool; 2]) {
-        let (before, coupling) = (self.energies(p), self.coupling());
-        let rows = self.constraints(p, synchronised);
-        self.pull_together(&mobility(p, coupling), &rows);
+    pub(crate) fn put_in(&mut self, p: &Params, synchronised: [bool; 2], since: [f64; 2]) {
+        let (before, mobility) = (self.energies(p), mobility(p, self.coupling()));
+        if p.rigid {
+            self.pull_together(&mobility, &self.constraints(p, synchronised));
+        } else {
+            self.take_back(p, &mobility, since);
+        }
         for i in (0..2).filter(|i| synchronised[*i]) {
             self.synchroniser[i] = Mode::Open;
         }
         self.hold_ratios(rigid_ratio(p, self.coupling()));
         self.book_change(p, before);
+    }
+
+    /// Takes back what synchronisers have done for the last `since` [s], shape (2).
+    fn take_back(&mut self, p: &Params, mobility: &Mobility, since: [f64; 2]) {
+        let (g, torque) = (p.g(self.gear), self.synchroniser_torque(p));
+        let mut moved = self.x.fixed_rows_mut::<SPEEDS>(0);
+        for i in [0, 1] {
+            moved += mobility * synchroniser_row(i, g[i]) * (torque[i] * since[i]);
+        }
     }
 
     /// Stored energy, and that of the wheels of gears that are in [J].
@@ -156,7 +170,8 @@ impl Plant {
         rows
     }
 
-    fn pull_together(&mut self, mobility: &SMatrix<f64, SPEEDS, SPEEDS>, rows: &Constraints) {
+    /// Removes by impulses, which keep momentum, the speeds that the constraints of rigid shafts do not allow.
+    fn pull_together(&mut self, mobility: &Mobility, rows: &Constraints) {
         let speeds: SVector<f64, SPEEDS> = self.x.fixed_rows::<SPEEDS>(0).into_owned();
         let mut coupling: Matrix2<f64> = rows.transpose() * mobility * rows;
         for i in [0, 1] {
