@@ -8,6 +8,7 @@ import math
 import os
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from harness_fixture.lag_fmu import HARNESS, environment, harness, write_system
 from pyarrow import parquet
 
 MANY = 20_000
+ENDS = 20.0  # s after which a process that is to end has ended, on a busy machine
 FOUR_SIGMA = 4.0  # of the sampling error: one wrong alarm in 16 000, and the seed is fixed
 
 
@@ -176,6 +178,39 @@ def _fatal(job: Job) -> dict[str, object]:
     if job.number == 3:
         os.kill(os.getpid(), signal.SIGKILL)
     return {"run": job.number, "verdict": "fine"}
+
+
+def _children(pid: int) -> set[int]:
+    """Return the processes that a process started, and theirs."""
+    files = Path(f"/proc/{pid}/task").glob("*/children")
+    own = {int(child) for file in files for child in file.read_text().split()}
+    return own.union(*map(_children, own))
+
+
+def _alive(pids: set[int]) -> set[int]:
+    """Return those that still run; a process that ended but was not waited for does not."""
+    stats = {pid: Path(f"/proc/{pid}/stat") for pid in pids}
+    return {pid for pid, stat in stats.items()
+            if stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"}  # fmt: skip
+
+
+def test_workers_of_a_killed_sweep_end(lag_dir: Path, tmp_path: Path) -> None:
+    """One is in the middle of a run of 1000 s, the other idle; nothing of either is left."""
+    system = write_system(tmp_path, "1000.0")
+    command = [*HARNESS, "sweep", system, "--fmu-dir", lag_dir, "--out", tmp_path / "out", "-v",
+               "--runs", "2", "--vary", "plant.failAt=choice(0.01,2000.0)", "--jobs", "2",
+               "--set", "plant.delay=0.001"]  # fmt: skip
+    with subprocess.Popen(command, env=environment(tmp_path), stdout=subprocess.PIPE,
+                          text=True) as process:  # fmt: skip
+        process.stdout.readline()  # the run that fails at 0.01 s
+        workers = _children(process.pid)
+        process.kill()
+    assert len(workers) >= 3  # two workers and what multiprocessing adds
+    until = time.monotonic() + ENDS
+    while _alive(workers) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert _alive(workers) == set()
+    assert list((tmp_path / "tmp").iterdir()) == []
 
 
 def test_sweep_judges_every_run_and_goes_on_after_a_failure(lag_dir: Path, tmp_path: Path) -> None:

@@ -1,25 +1,28 @@
 """Runs of a sweep one after the other, or in several processes at once.
 
 A run that ends its process (a crash in an FMU that is not isolated, no memory) is tried anew in a
-new one, then recorded as lost; the other runs go on.
+new one, then recorded as lost; the other runs go on. When the sweep itself is killed, its processes
+end.
 """
 
 from __future__ import annotations
 
 import os
 import signal
+import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatch
-from multiprocessing import get_context
+from multiprocessing import connection, get_context, parent_process
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import run_verb
+from . import run_verb, watch
 from .errors import (
     ConfigError,
     FmuRuntimeError,
@@ -99,6 +102,21 @@ def _quiet() -> None:
     """Leave Ctrl-C to the process that collects the rows; end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ["OMP_NUM_THREADS"] = "1"
+    threading.Thread(target=_end_with_the_sweep, daemon=True).start()
+
+
+def _end_with_the_sweep() -> None:
+    """Wait until the process that collects the rows is gone, even by SIGKILL; then end this one.
+
+    SIGTERM lets a run end at its next communication point and remove its files.
+    """
+    sweep = parent_process()
+    if sweep is None:
+        return
+    connection.wait([sweep.sentinel])
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(watch.GRACE)
+    os._exit(1)
 
 
 @dataclass(frozen=True)
