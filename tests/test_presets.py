@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from closed_loop_runs import FMUS, SYSTEMS, run
+from closed_loop_runs import FMUS, SYSTEMS, rms, run
 from dct_harness import parameters
 from dct_harness.errors import ConfigError
 from dct_harness.fmu import Fmu
@@ -60,6 +60,19 @@ def test_pressure_starts_the_wet_box_on_a_hill_without_roll_back(tmp_path: Path)
     assert clutch == pytest.approx(expected, rel=1e-3)
     record = json.loads((tmp_path / "run.json").read_text())
     assert record["parameters"]["plant"]["engine.inertia"]["value"] == 0.2
+
+
+def test_pressures_are_followed_by_every_method(tmp_path: Path) -> None:
+    """The system file limits energy, kalman and calibrating; the map misses by all it believes."""
+    loop = run("methods_wet6", (), tmp_path)
+    truth = loop["plant.clutch1.torque"]
+    assert truth.max() > 80
+    assert loop["scenario.shaft1.gear"][-1] == 3
+    for method in ("observer", "lyapunov", "energy", "kalman", "calibrating"):
+        share = rms(loop[f"{method}.clutch1.torque"] - truth) / rms(truth)
+        assert share < 0.25, method
+        assert (loop[f"{method}.status.valid"] == 1).all(), method
+    assert rms(loop["observer.mapBased.clutch1.torque"] - truth) > rms(truth)
 
 
 @pytest.mark.parametrize(("text", "said"), [

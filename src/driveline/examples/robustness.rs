@@ -112,7 +112,7 @@ fn print_drives() {
     let names = Method::ALL.map(|method| format!("{method:?}").to_lowercase());
     println!("\n| no error | {} |", names.join(" | "));
     println!("| --- | --- | --- | --- | --- | --- |");
-    let more = [faded::fading(), faded::losing(), faded::dry_7()];
+    let more = [faded::fading(), faded::losing()];
     for scenario in more.into_iter().chain(scenarios::unseen()) {
         let drive = scenario.drive(H);
         let cells = Method::ALL.map(|method| cell(method, &drive, &ERRORS[0]));

@@ -4,6 +4,7 @@ pub mod faded;
 mod random;
 pub mod scenarios;
 pub mod sensors;
+pub mod wet;
 
 use dct_driveline::Params;
 use dct_driveline::integrate::Propagators;
@@ -27,6 +28,8 @@ pub struct Scenario {
     pub t_e: Knots,
     /// Positions of the clutches [m].
     pub theta: [Knots; 2],
+    /// Pressures on the pistons of wet clutches [Pa].
+    pub pressure: [Knots; 2],
     pub t_brake: Knots,
     pub phi: Knots,
     /// (time [s], gears preselected from then on).
@@ -82,7 +85,7 @@ impl Scenario {
     fn actuation(&self, time: f64) -> [Actuation; 2] {
         [0, 1].map(|i| Actuation {
             position: at(&self.theta[i], time),
-            pressure: 0.0,
+            pressure: at(&self.pressure[i], time),
         })
     }
 

@@ -1,7 +1,7 @@
 //! Scenarios: the paper's, and others on which nothing is tuned.
 
 pub use super::random::random;
-use super::{Knots, Scenario};
+use super::{Knots, Scenario, faded, wet};
 use dct_driveline::Params;
 
 /// Table 1 with more gears on both shafts: `assumed:` ratios of a compact car.
@@ -30,6 +30,7 @@ pub fn base(name: &str, stop: f64) -> Scenario {
         v: 0.0,
         t_e: knots(&[(0.0, 0.0)]),
         theta: [mm(&[(0.0, 0.0)]), mm(&[(0.0, 0.0)])],
+        pressure: [knots(&[(0.0, 0.0)]), knots(&[(0.0, 0.0)])],
         t_brake: knots(&[(0.0, 0.0)]),
         phi: knots(&[(0.0, 0.0)]),
         gears: vec![(0.0, [1, 2])],
@@ -361,6 +362,8 @@ pub fn unseen() -> Vec<Scenario> {
         tip_in_tip_out(),
         kick_down(),
         hill_hold(),
+        faded::dry_7(),
+        wet::wet_6(),
     ];
     all.extend([1, 2, 3].map(random));
     all
