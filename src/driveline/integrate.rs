@@ -43,7 +43,7 @@
 use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant::matrices::Systems;
-use crate::rung::builder::{Builder, active};
+use crate::rung::builder::{Active, Builder};
 use crate::rung::watch::Watch;
 pub use crate::rung::{Motion, Rung, Start};
 use nalgebra::SMatrix;
@@ -162,13 +162,16 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
         t *= 0.5;
         below += 1;
     }
-    let mut rung = Builder::ZERO;
-    rung.base(systems, set, t, norm * t);
-    (0..below).for_each(|_| rung.double(active(set)));
+    let (mut one, mut other) = (Builder::ZERO, Builder::ZERO);
+    let (mut rung, mut twice) = (&mut one, &mut other);
+    let active = Active::new(system, set);
+    rung.base(systems, set, &active, t, norm * t);
     for (level, place) in rungs.iter_mut().enumerate() {
-        let doublings = if level == 0 { 0 } else { DOUBLINGS };
-        (0..doublings).for_each(|_| rung.double(active(set)));
-        place.take(&rung, systems);
+        for _ in 0..if level == 0 { below } else { DOUBLINGS } {
+            twice.double(rung, systems, &active);
+            core::mem::swap(&mut rung, &mut twice);
+        }
+        place.take(rung, systems);
     }
 }
 

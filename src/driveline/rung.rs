@@ -11,17 +11,19 @@
 //! ∫ τ ω dτ − ω(0) t²/2  of the same
 //! ```
 //!
-//! A rung is built from columns for z = (x, v, v') and rows without the constant terms. Doubling a span
-//! (`rung/builder.rs`) uses Ψ = (I + X over the states, v + t v' for torques): every row r obeys
-//! r(2t) = r(t) + r(t) Ψ(t), but for the moments, which also gain t times the angles of the second
-//! half. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
+//! All of them vanish where nothing moves, so they double without cancellation (`rung/builder.rs`): with Ψ, what a
+//! rung makes of the sixteen entries, every row r obeys r(2t) = r(t) + r(t) Ψ(t), but for the angles,
+//! which also gain t times the change of their speed over the first half, and the moments, which gain t times the
+//! angles of the second half and t²/2 times that change. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
 //!
 //! A finished rung keeps the rows of the transfer shafts, which follow the output where they are rigid, and those
 //! of the slips, which only a slipping clutch needs, apart from what every step needs, and the losses
 //! packed: see `rung/loss.rs`.
 
 pub(crate) mod builder;
+mod lanes;
 mod loss;
+mod series;
 pub(crate) mod start;
 pub(crate) mod watch;
 
@@ -29,10 +31,11 @@ use crate::plant::matrices::{
     C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
 };
 use crate::rung::builder::Builder;
+use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::loss::Loss;
 pub use crate::rung::start::Start;
 use crate::rung::start::{
-    CLUTCH_RAMPS, CLUTCHES, COLUMNS, CORE, ENTRIES, Entries, RAMPS, SHAFTS, TORQUE,
+    BUILT, CLUTCH_RAMPS, CLUTCHES, CORE, ENTRIES, Entries, RAMPS, SHAFTS, TORQUE, moving,
 };
 
 /// First row of the angles.
@@ -40,7 +43,7 @@ pub(crate) const ANGLE: usize = STATES;
 /// First row of the moments.
 pub(crate) const MOMENT: usize = ANGLE + TORQUES;
 pub(crate) const ROWS: usize = MOMENT + TORQUES;
-/// First ramp among the columns that a rung is built from.
+/// First ramp among the columns of z = (x, v, v').
 pub(crate) const RAMP: usize = STATES + TORQUES;
 
 /// Rows of every step: states but for those of the shafts, angles of ω_e and ω_w, moments of ω_w and ω_e.
@@ -125,9 +128,9 @@ pub struct Rung {
     /// Both shafts follow the output rigidly.
     rigid: bool,
     /// What each entry adds to the motion.
-    columns: [[f64; ALL]; ENTRIES],
+    columns: [Lanes<ALL>; ENTRIES],
     /// What reads angles and moments of both slips from the entries: rows.
-    slips: [[f64; ENTRIES]; 4],
+    slips: [Entries; 4],
     loss: Loss,
 }
 
@@ -138,8 +141,8 @@ impl Rung {
         ratio: [0.0; 2],
         synchroniser_ratio: [0.0; 2],
         rigid: false,
-        columns: [[0.0; ALL]; ENTRIES],
-        slips: [[0.0; ENTRIES]; 4],
+        columns: [Lanes::ZERO; ENTRIES],
+        slips: [Lanes::ZERO; 4],
         loss: Loss::ZERO,
     };
 
@@ -148,35 +151,17 @@ impl Rung {
         (self.t, self.ratio) = (built.t, systems.ratio);
         self.synchroniser_ratio = systems.synchroniser_ratio;
         self.rigid = systems.rigid_ratio[0] != 0.0 && systems.rigid_ratio[1] != 0.0;
-        for (entry, column) in COLUMNS
+        for (entry, column) in BUILT
             .map(|column| &built.columns[column])
             .iter()
             .enumerate()
         {
-            self.columns[entry] = KEPT.map(|row| column[row]);
+            self.columns[entry] = Lanes(KEPT.map(|row| column[row]));
             for (to, row) in self.slips.iter_mut().zip(SLIPS) {
                 to[entry] = column[row];
             }
         }
-        self.take_off_constant_speeds();
-        self.loss.pack(&built.loss, systems);
-    }
-
-    /// Leaves to angles and moments what speeds add to them that change.
-    fn take_off_constant_speeds(&mut self) {
-        let (angle, moment) = (self.t, 0.5 * self.t * self.t);
-        let [_, _, by_engine, by_wheels, ..] = &mut self.columns;
-        (by_engine[6], by_engine[9]) = (by_engine[6] - angle, by_engine[9] - moment);
-        (by_wheels[7], by_wheels[8]) = (by_wheels[7] - angle, by_wheels[8] - moment);
-        for i in [0, 1] {
-            let sign = if self.synchroniser_ratio[i] == 0.0 {
-                -1.0
-            } else {
-                1.0
-            };
-            self.slips[i][SHAFTS + 2 + i] -= sign * angle;
-            self.slips[2 + i][SHAFTS + 2 + i] -= sign * moment;
-        }
+        self.loss.pack(&built.loss, &built.output);
     }
 
     /// A start for [`Self::motion`].
@@ -193,26 +178,14 @@ impl Rung {
     /// The entries of a start whose torques have no ramps.
     #[inline(always)]
     pub(crate) fn entries(&self, x: &State, v: &Torques) -> Entries {
-        let (x, v) = (&x.data.0[0], &v.data.0[0]);
-        let shaft = |i: usize| x[C + i] - self.ratio[i] * x[O];
-        [
-            x[TWIST_D],
-            x[TWIST_O],
-            x[E] - x[D],
-            x[W] - x[O],
-            v[0],
-            v[3],
-            0.0,
-            0.0,
-            v[1],
-            v[2],
-            x[TWIST_T],
-            x[TWIST_T + 1],
-            shaft(0),
-            shaft(1),
-            0.0,
-            0.0,
-        ]
+        let v = &v.data.0[0];
+        let Lanes([twist_d, twist_o, damper, drive, shafts @ ..]) =
+            moving(&x.data.0[0], self.ratio);
+        let [twist_1, twist_2, shaft_1, shaft_2] = shafts;
+        Lanes([
+            twist_d, twist_o, damper, drive, v[0], v[3], 0.0, 0.0, v[1], v[2], twist_1, twist_2,
+            shaft_1, shaft_2, 0.0, 0.0,
+        ])
     }
 
     /// Motion from a start; torques of clutches and ramps that are zero cost nothing.
@@ -258,7 +231,7 @@ impl Rung {
     /// Adds what the entries before those of the shafts do, without ramps.
     #[inline(always)]
     fn add_core<const N: usize>(&self, rows: &mut [f64; N], z: &Entries) {
-        for (column, z) in self.columns[..CORE].iter().zip(z) {
+        for (column, z) in self.columns[..CORE].iter().zip(&z.0) {
             add(rows, column, *z);
         }
         for (column, z) in self.columns[CLUTCHES..SHAFTS].iter().zip(&z[CLUTCHES..]) {
@@ -282,7 +255,7 @@ impl Rung {
 
     /// Change of the state by an entry alone, shape (10).
     pub(crate) fn change_by(&self, entry: usize) -> State {
-        Motion(self.columns[entry]).end(&State::zeros())
+        Motion(self.columns[entry].0).end(&State::zeros())
     }
 
     /// Whether both shafts follow the output rigidly, so that their entries move nothing.
@@ -292,12 +265,12 @@ impl Rung {
 
     /// ∂ω_w(t) / ∂T_v' [s²/(kg·m²)]: effect of the ramp of the load on the wheel speed.
     pub const fn wheel_speed_by_load_ramp(&self) -> f64 {
-        self.columns[RAMPS[3]][3]
+        self.columns[RAMPS[3]].0[3]
     }
 
     /// Effect of the ramp of torque `q` on [`Motion::worked_speeds`] [s²/(kg·m²)], shape (3).
     pub(crate) const fn worked_speeds_by_ramp(&self, q: usize) -> [f64; 3] {
-        let [_, d, _, w, .., c1, c2, _, _] = self.columns[RAMPS[q]];
+        let [_, d, _, w, .., c1, c2, _, _] = self.columns[RAMPS[q]].0;
         [d - c1, d - c2, w]
     }
 
@@ -364,27 +337,4 @@ impl Rung {
     pub(crate) fn viscous_loss_held(&self, x: &State, z: &Entries) -> f64 {
         self.loss.of_held(z, self.rigid, x[O])
     }
-}
-
-/// `sum` + `scale` · `column`, which may be shorter; inlined, so that a chain of these keeps the sum in registers.
-#[inline(always)]
-pub(crate) fn add<const N: usize, const M: usize>(
-    sum: &mut [f64; N],
-    column: &[f64; M],
-    scale: f64,
-) {
-    for (sum, entry) in sum.iter_mut().zip(column) {
-        *sum += entry * scale;
-    }
-}
-
-/// Σ a b of an even number of entries, in two lanes.
-#[inline(always)]
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 2];
-    for ([a0, a1], [b0, b1]) in a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0) {
-        lanes[0] += a0 * b0;
-        lanes[1] += a1 * b1;
-    }
-    lanes[0] + lanes[1]
 }

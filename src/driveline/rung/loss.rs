@@ -7,24 +7,26 @@
 //! What a gear mesh loses grows with ω_o itself, and not with differences of speeds alone: with ω_o(0) times
 //! a row that reads the torque in the mesh.
 
-use crate::plant::matrices::{AUGMENTED, C, O, Systems, TWIST_T, W};
-use crate::rung::start::{CLUTCH_RAMPS, CLUTCHES, COLUMNS, ENTRIES, Entries, SHAFTS};
-use crate::rung::{add, dot};
+use crate::rung::lanes::{Lanes, add, dot};
+use crate::rung::start::{BUILT, CLUTCH_RAMPS, CLUTCHES, ENTRIES, Entries, SHAFTS};
 
 /// First torque among the entries, then T_v' and T_e'.
 const FIRST_TORQUE: usize = 4;
 const LOAD_RAMP: usize = 6;
 const ENGINE_RAMP: usize = 7;
 
+/// A symmetric matrix of what moves, as it is built.
+type Form = [Lanes<ENTRIES>; ENTRIES];
+
 /// ∫ viscous power dτ as a quadratic form: columns of its upper triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Loss {
-    states: [[f64; 4]; 4],
-    torques: [[f64; 6]; 2],
-    ramps: [[f64; CLUTCHES]; 2],
-    clutches: [[f64; SHAFTS]; 2],
-    shafts: [[f64; CLUTCH_RAMPS]; 4],
-    clutch_ramps: [[f64; ENTRIES]; 2],
+    states: [Lanes<4>; 4],
+    torques: [Lanes<6>; 2],
+    ramps: [Lanes<CLUTCHES>; 2],
+    clutches: [Lanes<SHAFTS>; 2],
+    shafts: [Lanes<CLUTCH_RAMPS>; 4],
+    clutch_ramps: [Lanes<ENTRIES>; 2],
     /// What ω_o(0) [rad/s] times the entries loses, where meshes lose power.
     output: Entries,
     meshes_lose: bool,
@@ -32,32 +34,27 @@ pub(crate) struct Loss {
 
 impl Loss {
     pub(crate) const ZERO: Self = Self {
-        states: [[0.0; 4]; 4],
-        torques: [[0.0; 6]; 2],
-        ramps: [[0.0; CLUTCHES]; 2],
-        clutches: [[0.0; SHAFTS]; 2],
-        shafts: [[0.0; CLUTCH_RAMPS]; 4],
-        clutch_ramps: [[0.0; ENTRIES]; 2],
-        output: [0.0; ENTRIES],
+        states: [Lanes::ZERO; 4],
+        torques: [Lanes::ZERO; 2],
+        ramps: [Lanes::ZERO; 2],
+        clutches: [Lanes::ZERO; 2],
+        shafts: [Lanes::ZERO; 4],
+        clutch_ramps: [Lanes::ZERO; 2],
+        output: Lanes::ZERO,
         meshes_lose: false,
     };
 
-    /// The form of a symmetric matrix of z, given by its columns; it depends on speeds by their
-    /// differences, and on ω_o times other entries where meshes lose power.
-    pub(crate) fn pack(&mut self, form: &[[f64; AUGMENTED]; AUGMENTED], systems: &Systems) {
+    /// The form of a symmetric matrix of what moves; `output`: what ω_o times that loses besides, where
+    /// meshes lose power.
+    pub(crate) fn pack(&mut self, form: &Form, output: &Entries) {
         fill(&mut self.states, 0, form);
         fill(&mut self.torques, FIRST_TORQUE, form);
         fill(&mut self.ramps, LOAD_RAMP, form);
         fill(&mut self.clutches, CLUTCHES, form);
         fill(&mut self.shafts, SHAFTS, form);
         fill(&mut self.clutch_ramps, CLUTCH_RAMPS, form);
-        self.meshes_lose = [0, 1].map(|i| systems.viscous[(O, TWIST_T + i)]) != [0.0; 2];
-        let [one, two] = systems.ratio;
-        let turning = [(O, 1.0), (W, 1.0), (C, one), (C + 1, two)];
-        self.output = COLUMNS.map(|j| {
-            let pairs = turning.map(|(k, speed)| speed * (form[j][k] + form[k][j]));
-            pairs.iter().sum()
-        });
+        self.output = Lanes(BUILT.map(|j| output[j]));
+        self.meshes_lose = output.0 != [0.0; ENTRIES];
     }
 
     /// The loss [J] where T_e, T_c1 and T_c2 have no ramps; `rigid`: without entries of shafts; `omega_o`: output
@@ -85,8 +82,8 @@ impl Loss {
 
     #[inline(never)] // a function of its own has registers for it
     fn of_rigid(&self, z: &Entries) -> f64 {
-        let mut sum = [0.0; SHAFTS];
-        for (sum, entry) in sum.iter_mut().zip(&self.ramps[0]) {
+        let (mut sum, Lanes(ramp)) = (Lanes::<SHAFTS>::ZERO, self.ramps[0]);
+        for (sum, entry) in sum.iter_mut().zip(ramp) {
             *sum = entry * z[LOAD_RAMP];
         }
         self.add_core(z, &mut sum);
@@ -96,7 +93,7 @@ impl Loss {
     #[inline(never)]
     fn of_compliant(&self, z: &Entries) -> f64 {
         let [first, others @ ..] = &self.shafts;
-        let mut sum = first.map(|entry| entry * z[SHAFTS]);
+        let mut sum = Lanes(first.map(|entry| entry * z[SHAFTS]));
         for (column, z) in others.iter().zip(&z[SHAFTS + 1..]) {
             add(&mut sum, column, *z);
         }
@@ -107,7 +104,7 @@ impl Loss {
 
     /// Adds the columns before those of the shafts but for T_v'.
     #[inline(always)]
-    fn add_core<const N: usize>(&self, z: &Entries, sum: &mut [f64; N]) {
+    fn add_core<const N: usize>(&self, z: &Entries, sum: &mut Lanes<N>) {
         for (column, z) in self.clutches.iter().zip(&z[CLUTCHES..]) {
             if *z != 0.0 {
                 add(sum, column, *z);
@@ -116,72 +113,58 @@ impl Loss {
         for (column, z) in self.torques.iter().zip(&z[FIRST_TORQUE..]) {
             add(sum, column, *z);
         }
-        for (column, z) in self.states.iter().zip(z) {
+        for (column, z) in self.states.iter().zip(&z.0) {
             add(sum, column, *z);
         }
     }
 }
 
 /// Columns from `first` on, down to the diagonal.
-fn fill<const N: usize, const M: usize>(
-    columns: &mut [[f64; N]; M],
-    first: usize,
-    form: &[[f64; AUGMENTED]; AUGMENTED],
-) {
+fn fill<const N: usize, const M: usize>(columns: &mut [Lanes<N>; M], first: usize, form: &Form) {
     for (column, j) in columns.iter_mut().zip(first..) {
-        let entry = |i: usize| match form[COLUMNS[i]][COLUMNS[j]] {
+        let entry = |i: usize| match form[BUILT[i]][BUILT[j]] {
             _ if i > j => 0.0,
             on if i == j => on,
-            off => off + form[COLUMNS[j]][COLUMNS[i]],
+            off => off + form[BUILT[j]][BUILT[i]],
         };
-        *column = core::array::from_fn(entry);
+        *column = Lanes(core::array::from_fn(entry));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Loss;
+    use super::{BUILT, ENTRIES, Form, Lanes, Loss};
     use crate::Params;
     use crate::integrate::Propagators;
-    use crate::plant::matrices::{AUGMENTED, C, D, E, O, STATES, Systems, TWIST_T, W};
 
-    type Row = [f64; AUGMENTED];
-
-    fn row(entries: &[(usize, f64)]) -> Row {
-        let mut row = [0.0; AUGMENTED];
-        entries.iter().for_each(|(at, value)| row[*at] += value);
-        row
+    /// A symmetric form and a row without a pattern.
+    fn form_and_row() -> (Form, Lanes<ENTRIES>) {
+        let number =
+            |i: usize, j: usize| f64::from(u8::try_from((7 * i * j + i + j) % 11).unwrap());
+        let form = core::array::from_fn(|j| Lanes(core::array::from_fn(|i| number(i, j) - 4.0)));
+        (form, Lanes(core::array::from_fn(|j| number(j, 3) - 6.0)))
     }
 
     #[test]
     fn packed_it_is_the_form_that_it_was() {
-        let mut systems = Systems::new(&Params::TABLE_1, [1, 2]);
-        let g = systems.ratio[0];
-        let torque = row(&[(TWIST_T, 900.0), (C, 2.0), (O, -2.0 * g), (STATES + 1, 3.0)]);
-        let output = row(&[(O, 0.7), (STATES + 7, 0.1), (E, 0.2), (D, -0.2)]);
-        let shaft = row(&[(O, 3.0), (W, -3.0), (STATES + 4, 0.5), (STATES + 3, 0.2)]);
-        let mut form = [[0.0; AUGMENTED]; AUGMENTED];
-        for (j, column) in form.iter_mut().enumerate() {
-            for (i, entry) in column.iter_mut().enumerate() {
-                *entry =
-                    0.5 * (torque[i] * output[j] + output[i] * torque[j]) + shaft[i] * shaft[j];
-            }
-        }
-        systems.viscous[(O, TWIST_T)] = 1.0; // a mesh loses power
+        let (form, output) = form_and_row();
         let mut loss = Loss::ZERO;
-        loss.pack(&form, &systems);
+        loss.pack(&form, &output);
         let x = [
             200.0, 198.0, 190.0, 150.0, 12.0, 11.9, 0.03, 1e-3, 2e-3, 0.05,
         ];
         let (v, v_dot) = ([60.0, 40.0, -25.0, 300.0], [2e3, -1e3, 5e2, 1e4]);
-        let z = [&x[..], &v, &v_dot].concat();
-        let read = |row: &Row| row.iter().zip(&z).map(|(a, b)| a * b).sum::<f64>();
-        let wanted = read(&torque) * read(&output) + read(&shaft) * read(&shaft);
         let propagators = Propagators::new(&Params::TABLE_1, [1, 2], 1e-3);
-        let start = propagators
-            .rung(0, 0)
-            .start(&x.into(), &v.into(), &v_dot.into());
-        let found = loss.of(&start.entries, false, start.x[O]);
+        let rung = propagators.rung(0, 0);
+        let start = rung.start(&x.into(), &v.into(), &v_dot.into());
+        let mut moves = [0.0; ENTRIES];
+        for (column, entry) in BUILT.into_iter().zip(start.entries.0) {
+            moves[column] = entry;
+        }
+        let read = |row: &Lanes<ENTRIES>| row.iter().zip(moves).map(|(a, b)| a * b).sum::<f64>();
+        let of_form: f64 = form.iter().zip(moves).map(|(row, z)| z * read(row)).sum();
+        let wanted = of_form + start.x[4] * read(&output);
+        let found = loss.of(&start.entries, false, start.x[4]);
         assert!(
             (found - wanted).abs() < 1e-9 * wanted.abs(),
             "{found} {wanted}"

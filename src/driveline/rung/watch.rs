@@ -3,15 +3,16 @@
 use crate::integrate::Rung;
 use crate::plant::matrices::{Rows, State};
 use crate::rung::RAMP;
+use crate::rung::lanes::{Lanes, dot};
 use crate::rung::start::{CLUTCH_RAMPS, COLUMNS, Entries, SHAFTS};
 
 /// Rows for a clutch: its torque at the start and at the end of the rung [N·m], and at the start the rate of that
 /// torque [N·m/s] where it is engaged, else that of its slip [rad/s²].
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Watch([[f64; CLUTCH_RAMPS]; 3]);
+pub(crate) struct Watch([Lanes<CLUTCH_RAMPS>; 3]);
 
 impl Watch {
-    pub(crate) const BLIND: Self = Self([[0.0; CLUTCH_RAMPS]; 3]);
+    pub(crate) const BLIND: Self = Self([Lanes::ZERO; 3]);
 
     /// For clutch `i`, `engaged` or not, of a driveline whose guards read `rows`.
     pub(crate) fn new(rung: &Rung, rows: &Rows, i: usize, engaged: bool) -> Self {
@@ -27,15 +28,15 @@ impl Watch {
         };
         let held = State::zeros();
         Self([
-            core::array::from_fn(|entry| torque(&held, entry)),
-            core::array::from_fn(|entry| {
+            Lanes(core::array::from_fn(|entry| torque(&held, entry))),
+            Lanes(core::array::from_fn(|entry| {
                 let change = rung.change_by(entry);
                 torque(&change, entry) + rung.t * ramp(entry)
-            }),
-            core::array::from_fn(|entry| {
+            })),
+            Lanes(core::array::from_fn(|entry| {
                 let by_ramp = if engaged { ramp(entry) } else { 0.0 };
                 rate.of_column(&held, COLUMNS[entry]) + by_ramp
-            }),
+            })),
         ])
     }
 
@@ -51,14 +52,9 @@ impl Watch {
 
     #[inline(always)]
     fn sums<const N: usize>(&self, z: &Entries) -> [f64; 3] {
-        let mut lanes = [[0.0; 2]; 3];
-        for (k, z) in z[..N].as_chunks::<2>().0.iter().enumerate() {
-            for (lanes, row) in lanes.iter_mut().zip(&self.0) {
-                lanes[0] += row[2 * k] * z[0];
-                lanes[1] += row[2 * k + 1] * z[1];
-            }
-        }
-        lanes.map(|[even, odd]| even + odd)
+        let Lanes(z) = *z;
+        let z = Lanes::<N>(core::array::from_fn(|k| z[k]));
+        [0, 1, 2].map(|row| dot(&self.0[row], &z))
     }
 }
 

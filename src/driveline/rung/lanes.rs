@@ -1,0 +1,54 @@
+//! Numbers side by side, and the sums that a rung is made of.
+
+use core::ops::{Deref, DerefMut};
+
+/// Numbers side by side, aligned so that a pair of them is at hand at once.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(16))]
+pub(crate) struct Lanes<const N: usize>(pub(crate) [f64; N]);
+
+impl<const N: usize> Lanes<N> {
+    pub(crate) const ZERO: Self = Self([0.0; N]);
+}
+
+impl<const N: usize> Deref for Lanes<N> {
+    type Target = [f64; N];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f64; N] {
+        &self.0
+    }
+}
+
+impl<const N: usize> DerefMut for Lanes<N> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64; N] {
+        &mut self.0
+    }
+}
+
+/// `sum` + `scale` · `column`, which may be shorter or longer; inlined, so that a chain of these keeps the sum in
+/// registers.
+#[inline(always)]
+pub(crate) fn add<const N: usize, const M: usize>(
+    sum: &mut [f64; N],
+    column: &Lanes<M>,
+    scale: f64,
+) {
+    let Lanes(column) = *column; // as a whole it keeps its alignment
+    for (sum, entry) in sum.iter_mut().zip(column) {
+        *sum += entry * scale;
+    }
+}
+
+/// Σ a b of an even number of entries, the shorter one's, in two lanes.
+#[inline(always)]
+pub(crate) fn dot<const N: usize, const M: usize>(a: &Lanes<N>, b: &Lanes<M>) -> f64 {
+    let (Lanes(a), Lanes(b)) = (*a, *b);
+    let mut lanes = [0.0; 2];
+    for ([a0, a1], [b0, b1]) in a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0) {
+        lanes[0] += a0 * b0;
+        lanes[1] += a1 * b1;
+    }
+    lanes[0] + lanes[1]
+}
