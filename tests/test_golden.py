@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -56,3 +57,15 @@ def test_every_case_has_its_files() -> None:
     listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     cases = {line.split()[0] for line in listed.splitlines()}
     assert cases == {path.name.split(".")[0] for path in GOLDEN.glob("*.events.json")}
+
+
+def test_a_second_solution_agrees_where_gears_shift_and_lose_power() -> None:
+    command = [sys.executable, GOLDEN / "check_golden.py", "--radau", "upshift_losses"]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    number = r"([\d.e+-]+)"
+    pattern = rf"(\d+) rows, speeds {number} rad/s, torques {number} N·m.*event times {number} s"
+    rows, speeds, torques, times = map(float, re.search(pattern, said).groups())
+    assert rows == 750
+    assert speeds < SPEEDS
+    assert torques < TORQUES
+    assert 0.0 < times < TIMES

@@ -16,7 +16,7 @@
 //! | friction over slip: a ramp as well | h² between the kinks of its curve |
 //! | force map with a moving actuator: straight to the force at the end of the step | h² between its points |
 //! | instants of events | at most a tick, h/4096, always late: 0.24 µs at 1 ms |
-//! | what acted for as long as an event was late | a tick², but at a break-away: a tick of μ_s − μ_k |
+//! | what the old modes do until an event is found | its lateness squared |
 //! | inputs held over a step while they change | h, not of this method: `InputRate` has their slopes |
 //!
 //! Newton's method finds the ramp of the load; it stops when the correction of ω_w is below 10⁻⁸ rad/s,
@@ -28,10 +28,8 @@
 //! Guards (`plant/block.rs`) end a block; a block that may hide an event is cut until a tick holds it.
 //! A step holds up to 32 events; if there are more its rest is one smooth piece, which bounds its work.
 //!
-//! An event that is δ late is no error of δ in the state, because what the old modes did meanwhile is undone to
-//! first order: at a lock-up by the impulse that removes the slip, at a synchroniser by taking back T_s δ.
-//! At a bend, an opening or the end of a jam both modes give the same acceleration. A break-away alone
-//! keeps μ_s for up to a tick where μ_k acts.
+//! An event that is found δ late is no error of δ in the state: what the old modes did meanwhile is undone to
+//! first order (`plant/late.rs`).
 //!
 //! An ordinary step asks none of this: `plant/quiet.rs` takes it at the top rung where both ends of each
 //! guard are clear, and gives the same numbers to round-off.
@@ -57,6 +55,7 @@ mod brake;
 mod empty;
 mod friction;
 mod gear;
+mod late;
 pub mod matrices;
 pub mod mesh;
 pub mod modes;
@@ -72,6 +71,7 @@ use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant::block::Block;
 use crate::plant::friction::longest_varying;
+use crate::plant::late::Late;
 use crate::plant::matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
@@ -247,12 +247,9 @@ impl Plant {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
                 }
                 let before = self.all_modes();
-                if event.synchronised != [false; 2] {
-                    let since = block.since_synchronised(systems, self, event.synchronised);
-                    self.put_in(p, event.synchronised, since);
-                }
                 let after = propagators.h * f64::from(done) / f64::from(TICKS);
-                self.resolve_all(p, ladders, &now, &rate, &event);
+                let late = block.late(p, systems, self, &event);
+                self.change_modes(p, ladders, &now, &rate, &event, &late);
                 report(after, before, self.all_modes());
                 (piece, events) = (done, events + 1);
             }
@@ -283,6 +280,25 @@ impl Plant {
         } = self.work;
         let stored = systems.stored_energy(&self.x) - self.stored_at_start;
         engine - stored - one - two - viscous - synchroniser - load - brake
+    }
+
+    /// Takes the modes that are consistent after `event`, and gears in; undoes what was done while it was `late`.
+    fn change_modes(
+        &mut self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        input: &Input,
+        rate: &InputRate,
+        event: &Event,
+        late: &Late,
+    ) {
+        if event.synchronised != [false; 2] {
+            self.put_in(p, event.synchronised, late.synchronised);
+        }
+        self.resolve_all(p, ladders, input, rate, event);
+        if event.is_of_clutches() {
+            self.slip_since(p, &ladders.of(p, self.coupling()).systems, input, late);
+        }
     }
 
     /// Takes the modes of meshes, brake and clutches that are consistent after `event`.

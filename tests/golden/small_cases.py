@@ -76,6 +76,11 @@ SHIFTS = _scenario(  # 1-2-3; reverse is preselected while driving, and its clut
         *((1.7, 0), (1.95, 0), (1.955, 3.2), (2.05, 3.2), (2.06, 0), (2.8, 0)),
     ],
 )
+UPSHIFT = _scenario(  # gear 1 drives, gear 2 is synchronised, the clutches hand over under torque
+    [(0, 60), (0.5, 60), (0.7, -20), (1.1, -20), (1.3, 60), (1.5, 60)],
+    [(0, 9), (0.3, 9), (0.45, 5), (0.65, 2.2), (0.7, 0), (1.5, 0)],
+    [(0, 0), (0.3, 0), (0.35, 2.2), (0.62, 5.2), (0.8, 8), (1.2, 9), (1.5, 9)],
+)
 REVERSE = _scenario(
     [(0, 20), (0.4, 70), (1.6, 70), (1.8, 0), (2.6, 0)],
     clutch2=[(0, 0), (0.1, 2.2), (0.7, 6.4), (1.2, 9), (1.6, 9), (1.8, 0), (2.6, 0)],
@@ -143,6 +148,12 @@ SMALL_CASES = (
         **{"params": GEARBOX | LOSSES, "row_every": 5e-3},
         scenario_file="gearbox",
         about="1-2-3 with gears that lose power, driving and driven",
+    ),
+    Case(
+        *("upshift_losses", UPSHIFT, 1.5, 180.0, 3.0),
+        gears=((0, (1, 0)), (0.1, (1, 2)), (0.8, (3, 2))),
+        **{"params": GEARBOX | LOSSES, "row_every": 2e-3},
+        about="gear 2 is synchronised, the clutches hand over, gear 3 follows; gears lose power",
     ),
     Case(
         *("reverse_losses", REVERSE, 2.6, 110.0, 0.0),

@@ -205,32 +205,17 @@ impl Block {
         (worst, event)
     }
 
-    /// How long shafts of `synchronised` have turned faster than their gears at the end of the block [s], shape (2).
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn since_synchronised(
-        &self,
-        systems: &Systems,
-        plant: &Plant,
-        synchronised: [bool; 2],
-    ) -> [f64; 2] {
-        let (x, v) = self.at(self.t);
-        let x_dot = systems.by_stuck[stuck_set(plant.modes)].derivative(&x, &v);
-        [0, 1].map(|i| {
-            let guard = plant.synchroniser_guard(i, systems.synchroniser_ratio[i], &x, &x_dot);
-            if synchronised[i] {
-                (guard.value / guard.rate).clamp(0.0, self.t)
-            } else {
-                0.0
-            }
-        })
-    }
-
     /// Guards of both clutches and the brake at `t` = 0 or at the end of the block, shape (3, 2).
     ///
     /// Slipping: slip in its direction, normal force. Stuck: capacity left forward and backward. Open: what
     /// the synchroniser has left to do.
-    fn guards(&self, p: &Params, systems: &Systems, plant: &Plant, t: f64) -> [[Guard; 2]; 3] {
+    pub(crate) fn guards(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        plant: &Plant,
+        t: f64,
+    ) -> [[Guard; 2]; 3] {
         let (modes, brake) = (plant.modes, plant.brake);
         let system = &systems.by_stuck[stuck_set(modes)];
         let (v_dot, (x, v)) = (self.torques_rate(), self.at(t));

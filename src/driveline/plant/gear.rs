@@ -35,7 +35,7 @@ use crate::plant::springs::stored_energy;
 /// One constraint per shaft on the six speeds, shape (6, 2); a column of zeros: none.
 type Constraints = SMatrix<f64, SPEEDS, 2>;
 /// Accelerations by torques on the six inertias, shape (6, 6).
-type Mobility = SMatrix<f64, SPEEDS, SPEEDS>;
+pub(crate) type Mobility = SMatrix<f64, SPEEDS, SPEEDS>;
 
 impl Plant {
     /// Gears that a step with these inputs has: a shaft keeps its gear while its clutch is pressed, and
@@ -130,15 +130,6 @@ impl Plant {
         }
         self.hold_ratios(rigid_ratio(p, self.coupling()));
         self.book_change(p, before);
-    }
-
-    /// Takes back what synchronisers have done for the last `since` [s], shape (2).
-    fn take_back(&mut self, p: &Params, mobility: &Mobility, since: [f64; 2]) {
-        let (g, torque) = (p.g(self.gear), self.synchroniser_torque(p));
-        let mut moved = self.x.fixed_rows_mut::<SPEEDS>(0);
-        for i in [0, 1] {
-            moved += mobility * synchroniser_row(i, g[i]) * (torque[i] * since[i]);
-        }
     }
 
     /// Stored energy, and that of the wheels of gears that are in [J].

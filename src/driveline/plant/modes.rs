@@ -77,6 +77,17 @@ impl Event {
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
+
+    /// Whether nothing happened but to slips and torques of clutches.
+    pub(crate) fn is_of_clutches(&self) -> bool {
+        let (reached, broken) = (self.reached, self.broken);
+        *self
+            == Self {
+                reached,
+                broken,
+                ..Self::default()
+            }
+    }
 }
 
 /// A value that must stay ≥ 0, with its rate.
