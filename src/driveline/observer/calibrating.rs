@@ -187,7 +187,10 @@ impl Observer for Calibrating {
         self.tracker.follow(p, sample, &wheel(), h);
         let hold = self.grip.step(p, sample, self.tracker.lock.engaged(), h);
         self.follow_force(sample, hold);
-        self.predict(p, settings, sample, hold, h);
+        let c = View::new(p, sample, &self.tracker.belief.x).model.c;
+        let standing = self.tracker.held(p, sample, c);
+        let moving = standing.as_ref().unwrap_or(p);
+        self.predict(moving, settings, sample, hold, h);
         let sensor = settings.calibrating.sensor;
         self.tracker.correct(p, sample, sensor, &wheel(), h);
         self.constrain(p, sample, h);

@@ -39,8 +39,11 @@
 //! ε̂_j' = −L_j w_j (g_i − g_j) ω̃_o,    V̇ = … − c_d (ω̃_e − g_i ω̃_o)² ≤ 0
 //! ```
 //!
-//! Without lock-awareness the sign does harm (259 % error). T̂_d is held to what a learnt friction can carry, and a
-//! clutch that would carry more in a handover slips.
+//! Without lock-awareness the sign does harm (259 % error). T̂_d is held to what a learnt friction can carry, static
+//! friction included, and a clutch that would carry more slips. In a handover it does so from the kinetic friction on:
+//! there the speeds leave the two torques to each other (erratum E5), and a slip that is taken as a twist of the damper
+//! runs away in the friction of the other clutch. A clutch that lets go before it was ever seen to slip starts from
+//! what it has carried.
 
 use crate::Params;
 use crate::observer::damper::{Behind, Discrete, SPEEDS, State, Torques};
@@ -50,13 +53,18 @@ use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::schedule::{followed, scaled};
 use crate::observer::speeds::output_speed;
-use crate::observer::{Estimate, Observer, Sample, Settings, Visit, common_estimate, visit_switch};
+use crate::observer::standstill::held;
+use crate::observer::{
+    Estimate, Observer, Sample, Settings, Visit, brake, common_estimate, visit_switch,
+};
 use nalgebra::Vector3;
 
 /// w_0: lever below which the adaptation is not normalised [N·m].
 const LEVER: f64 = 20.0;
 /// Factor on L while the other clutch is engaged [1]: only the difference of both ratios shows the friction then.
 const HANDOVER: f64 = 3.0;
+/// Time constant of what an engaged clutch carries per lever [s]: a clutch that lets go is noticed some 0.1 s later.
+const CARRIED: f64 = 0.1;
 /// Static over kinetic friction of a clutch lining, at most [1].
 const STATIC: f64 = 1.2;
 
@@ -98,10 +106,8 @@ pub struct Energy {
     pub x_hat: State,
     /// ε̂_1, ε̂_2, in units of μ [1], shape (2).
     pub epsilon: [f64; 2],
-    /// sgn of the slip seen last beyond the band of an engaged clutch, shape (2).
-    pub direction: [f64; 2],
-    /// The slip of a clutch has met 0 and stayed small since, shape (2).
-    pub met: [bool; 2],
+    /// |T̂_c| per lever that each engaged clutch has carried [1], through a low pass, shape (2).
+    pub carried: [f64; 2],
     /// ω̃ at the last instant [rad/s], shape (3).
     pub innovation: Vector3<f64>,
     /// Load torque (20).
@@ -133,8 +139,7 @@ impl Default for Energy {
         Self {
             x_hat: State::zeros(),
             epsilon: [0.0; 2],
-            direction: [1.0; 2],
-            met: [false; 2],
+            carried: [0.0; 2],
             innovation: Vector3::zeros(),
             load: Load::default(),
             lock: Lock::default(),
@@ -159,7 +164,6 @@ impl Observer for Energy {
         self.take_speeds(p, sample);
         self.lock.start(p, sample);
         self.monitor.start(p, sample);
-        self.follow_slip(sample);
         let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
         self.estimate(p, settings, sample, t_v)
     }
@@ -178,15 +182,18 @@ impl Observer for Energy {
         }
         let t_c = self.torques(p, settings, sample);
         self.lock.step(p, sample, t_c, h);
-        self.follow_slip(sample);
+        self.follow_carried(p, sample, t_c, h);
         if settings.adapts {
             self.recall(p, settings, sample);
             self.adapt(p, settings, sample, gains.l_c, h);
         }
         let t_v = self.load.step(p, settings.load, sample, &self.lock, h);
-        self.predict(p, settings, sample, t_v, gains.l, h);
+        let t_o = Behind::new(p, sample, None).t_o(&self.x_hat);
+        let standing = held(p, sample, self.x_hat[2], t_o, t_v - brake(p, sample));
+        let moving = standing.as_ref().unwrap_or(p);
+        self.predict(moving, settings, sample, t_v, gains.l, h);
         self.innovation = measured(p, sample) - self.x_hat.fixed_rows::<3>(0);
-        let mu_hat = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * self.direction[i]);
+        let mu_hat = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * self.lock.direction[i]);
         let engaged = self.holds();
         self.friction.learn(p, sample, engaged, mu_hat, h);
         let e = self.innovation_x(p, sample);
@@ -197,14 +204,14 @@ impl Observer for Energy {
     fn visit(&mut self, visit: Visit<'_>) {
         self.x_hat.iter_mut().for_each(&mut *visit);
         self.epsilon.iter_mut().for_each(&mut *visit);
-        self.direction.iter_mut().for_each(&mut *visit);
+        self.carried.iter_mut().for_each(&mut *visit);
         self.innovation.iter_mut().for_each(&mut *visit);
         self.load.visit(visit);
         self.lock.visit(visit);
         self.friction.visit(visit);
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
-        for switch in self.slipping.iter_mut().chain(&mut self.met) {
+        for switch in &mut self.slipping {
             visit_switch(switch, visit);
         }
     }
@@ -227,27 +234,24 @@ impl Energy {
         for i in (0..2).filter(|i| slipping[*i] && !self.slipping[*i]) {
             if self.friction.known(i) {
                 self.epsilon[i] = self.friction.mu[i] - settings.mu_n[i];
+            } else if self.carried[i] > 0.0 {
+                self.epsilon[i] = self.carried[i].min(Friction::PHYSICAL) - settings.mu_n[i];
             }
         }
         self.slipping = slipping;
     }
 
-    /// Keeps the direction of a slip that may be damper vibration.
-    fn follow_slip(&mut self, sample: &Sample) {
-        let beyond = self.lock.slips(sample);
-        for (i, slip) in sample.slip().into_iter().enumerate() {
-            if beyond[i] {
-                self.direction[i] = slip.signum();
-            }
-            self.met[i] =
-                self.lock.since[i] > 0.0 && (self.met[i] || slip * self.direction[i] <= 0.0);
+    /// What an engaged clutch carries per lever: about its friction when it lets go, if that is not known.
+    fn follow_carried(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
+        let (w, holds) = (self.levers(p, sample).map(f64::abs), self.holds());
+        for i in (0..2).filter(|i| w[*i] > LEVER && holds[*i]) {
+            self.carried[i] += (t_c[i].abs() / w[i] - self.carried[i]) * (h / (h + CARRIED));
         }
     }
 
     /// Clutches that hold both sides together, shape (2): the slip has stayed small, or has just met 0.
     fn holds(&self) -> [bool; 2] {
-        let engaged = self.lock.engaged();
-        [0, 1].map(|i| engaged[i] || self.met[i])
+        [0, 1].map(|i| self.lock.holds(i))
     }
 
     /// The clutch whose torque is a constraint; of two that are engaged, the one pressed harder.
@@ -265,7 +269,7 @@ impl Energy {
     fn levers(&self, p: &Params, sample: &Sample) -> [f64; 2] {
         [0, 1].map(|i| {
             let clutch = &p.clutch[i];
-            clutch.r_c_n * clutch.force(sample.actuation[i]) * self.direction[i]
+            clutch.r_c_n * clutch.force(sample.actuation[i]) * self.lock.direction[i]
         })
     }
 
@@ -334,13 +338,13 @@ impl Energy {
     fn bound(&mut self, p: &Params, settings: &Settings, sample: &Sample, i: usize) {
         if self.friction.known(i) {
             let w = self.levers(p, sample);
-            let lever = w[i].abs();
             let carried = self.torques(p, settings, sample)[i];
-            let most = STATIC * self.friction.mu[i] * lever;
+            let kinetic = self.friction.mu[i] * w[i].abs();
+            let most = STATIC * kinetic;
             self.x_hat[4] += carried.clamp(-most, most) - carried;
-            if carried.abs() > most && w[1 - i] != 0.0 {
-                (self.met[i], self.lock.since[i]) = (false, 0.0);
-                self.direction[i] = carried.signum();
+            let handover = w[1 - i] != 0.0;
+            if carried.abs() > if handover { kinetic } else { most } {
+                self.lock.let_go(i, carried);
             }
         }
     }

@@ -112,7 +112,8 @@ impl Observer for Kalman {
             return self.tracker.refuse();
         }
         self.tracker.follow(p, sample, &wheel(), h);
-        self.predict(p, settings, sample, h);
+        let standing = self.tracker.held(p, sample, p.c_o);
+        self.predict(standing.as_ref().unwrap_or(p), settings, sample, h);
         let sigma = settings.kalman.sigma;
         self.tracker.correct(p, sample, sigma, &wheel(), h);
         self.tracker.watch(p, settings, sample, h);

@@ -9,7 +9,9 @@
 //! ```
 //!
 //! The momentum form needs no rigid drive shaft, so it stays right while the driveline oscillates. Both
-//! sides go through the same first-order filter, which turns the derivative into (E − E_f)/τ.
+//! sides go through the same first-order filter, which turns the derivative into (E − E_f)/τ. Of that, white noise
+//! of the speeds passes with J_v σ/τ, 135 N·m for 0.1 rad/s. An observer averages that as long as it flows; what is
+//! held through a shift has passed a second filter of the same τ, which leaves J_v σ √(h/4τ³), 7 N·m at 1 kHz.
 //!
 //! A gear that goes out or comes in takes its shaft's momentum with it at the speed it has, so the filtered one
 //! moves by as much; T_y is what synchronisers do meanwhile.
@@ -48,8 +50,10 @@ pub struct Load {
     pub j_out: f64,
     /// Time since the filter was started [s]; negative while it does not run.
     pub running: f64,
-    /// T_v found last without the brake torque [N·m]; meaningful when `found`.
+    /// T_v without the brake torque [N·m]; meaningful when `found`.
     pub t_v: f64,
+    /// The same behind the second filter: what is held [N·m].
+    pub held: f64,
     /// An engagement was long enough to find T_v.
     pub found: bool,
 }
@@ -62,6 +66,7 @@ impl Default for Load {
             j_out: 0.0,
             running: -1.0,
             t_v: 0.0,
+            held: 0.0,
             found: false,
         }
     }
@@ -76,6 +81,7 @@ impl Load {
             &mut self.j_out,
             &mut self.running,
             &mut self.t_v,
+            &mut self.held,
         ] {
             visit(value);
         }
@@ -104,7 +110,7 @@ impl Load {
                 let torque = g[engaged] * sample.t_e + sample.t_y - brake;
                 self.filter(momentum, torque, h);
             }
-            None => self.running = -1.0,
+            None => (self.running, self.t_v) = (-1.0, self.held),
         }
         if self.found {
             self.t_v + brake
@@ -131,6 +137,8 @@ impl Load {
         self.running += h;
         if self.running >= SETTLING {
             self.t_v = self.torque - (momentum - self.momentum) / TAU;
+            let memory = if self.found { TAU } else { 0.0 };
+            self.held += (self.t_v - self.held) * (h / (h + memory));
             self.found = true;
         }
     }

@@ -7,7 +7,9 @@
 //! ΔT_c/√(k_d J_e), and dies with the time constant 2 J_e/c_d                    from (1), (3)
 //! ```
 //!
-//! which a large torque takes beyond any fixed threshold. So a clutch that has locked may swing by as much. A
+//! which a large torque takes beyond any fixed threshold. So a clutch that has locked may swing by as much. It has
+//! locked once its slip has met 0, or stayed small for a while; one that breaks away does neither. One that was found
+//! to carry more than its friction ([`Lock::let_go`]) slips until its slip meets 0, however small that is. A
 //! synchroniser on the other shaft kicks J_out against damper and drive shaft, by at most
 //!
 //! ```text
@@ -15,7 +17,7 @@
 //! ```
 
 use crate::Params;
-use crate::observer::{Sample, Visit};
+use crate::observer::{Sample, Visit, visit_switch};
 use nalgebra::ComplexField;
 
 /// Slip below which a clutch may be engaged [rad/s].
@@ -23,13 +25,31 @@ pub const SLIP: f64 = 3.0;
 /// Time for which it has to be [s].
 const TIME: f64 = 0.03;
 
-/// How long each clutch has been pressed without slip [s], shape (2).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// What the slip of each clutch has told.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lock {
     /// Time pressed without slip [s], shape (2), at most the time that it takes.
     pub since: [f64; 2],
     /// Swing of the damper that may show as slip [rad/s], shape (2).
     pub swing: [f64; 2],
+    /// sgn of the slip seen last beyond the band of an engaged clutch, shape (2).
+    pub direction: [f64; 2],
+    /// The slip has met 0 and stayed small since, shape (2).
+    pub met: [bool; 2],
+    /// It carried more than it can, and its slip has not met 0 since, shape (2).
+    pub freed: [bool; 2],
+}
+
+impl Default for Lock {
+    fn default() -> Self {
+        Self {
+            since: [0.0; 2],
+            swing: [0.0; 2],
+            direction: [1.0; 2],
+            met: [false; 2],
+            freed: [false; 2],
+        }
+    }
 }
 
 impl Lock {
@@ -44,29 +64,41 @@ impl Lock {
             self.swing[i] = self.swing[i].max(kick(p, sample, i));
         }
         let (g, slips) = (p.g(sample.gear), self.slips(sample));
-        for i in [0, 1] {
+        for (i, slip) in sample.slip().into_iter().enumerate() {
+            if slips[i] {
+                (self.direction[i], self.freed[i]) = (slip.signum(), false);
+            }
+            let meets = slip * self.direction[i] <= 0.0;
             let pressed = p.clutch[i].force(sample.actuation[i]) > 0.0;
-            if pressed && !slips[i] && g[i] != 0.0 {
+            if pressed && !slips[i] && g[i] != 0.0 && (meets || !self.freed[i]) {
                 self.since[i] = (self.since[i] + h).min(TIME);
                 self.swing[i] *= ComplexField::exp(-h * p.c_d / (2.0 * p.j_e));
+                (self.met[i], self.freed[i]) = (self.met[i] || meets, false);
             } else {
-                self.since[i] = 0.0;
+                (self.since[i], self.met[i]) = (0.0, false);
                 self.swing[i] = t_c[i].abs() / ComplexField::sqrt(p.k_d * p.j_e);
             }
         }
+    }
+
+    /// Clutch `i` carries more than its friction can, in the direction of `torque`: it slips.
+    pub fn let_go(&mut self, i: usize, torque: f64) {
+        (self.since[i], self.met[i], self.freed[i]) = (0.0, false, true);
+        self.direction[i] = torque.signum();
     }
 
     /// The slip is beyond what a locked clutch shows, shape (2).
     pub fn slips(&self, sample: &Sample) -> [bool; 2] {
         let slip = sample.slip();
         [0, 1].map(|i| {
-            let swing = if self.since[i] > 0.0 {
-                self.swing[i]
-            } else {
-                0.0
-            };
+            let swing = if self.holds(i) { self.swing[i] } else { 0.0 };
             slip[i].abs() >= SLIP + swing
         })
+    }
+
+    /// Clutch `i` holds both sides together: its slip has met 0, or stayed small for a while.
+    pub fn holds(&self, i: usize) -> bool {
+        self.met[i] || self.since[i] >= TIME
     }
 
     /// Fully engaged clutches, shape (2).
@@ -86,7 +118,11 @@ impl Lock {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.since.iter_mut().chain(&mut self.swing).for_each(visit);
+        let numbers = self.since.iter_mut().chain(&mut self.swing);
+        numbers.chain(&mut self.direction).for_each(&mut *visit);
+        for switch in self.met.iter_mut().chain(&mut self.freed) {
+            visit_switch(switch, visit);
+        }
     }
 }
 
@@ -110,17 +146,7 @@ mod tests {
     fn stays_engaged(t_c: f64, swing: f64) -> bool {
         let (p, mut lock) = (Params::TABLE_1, Lock::default());
         let mut step = |slip: f64| {
-            let sample = Sample {
-                omega_e: 100.0 + slip,
-                omega_c: [100.0, 64.0],
-                gear: [1, 2],
-                actuation: [8e-3, 0.0].map(|position| Actuation {
-                    position,
-                    pressure: 0.0,
-                }),
-                ..Sample::default()
-            };
-            lock.step(&p, &sample, [t_c, 0.0], H);
+            lock.step(&p, &sample(slip), [t_c, 0.0], H);
             lock.engaged()[0]
         };
         for k in 0..80 {
@@ -135,6 +161,45 @@ mod tests {
     #[test]
     fn a_swing_of_the_damper_is_no_slip() {
         assert!(stays_engaged(140.0, 6.0));
+    }
+
+    /// Clutch 1 at a slip [rad/s].
+    fn sample(slip: f64) -> Sample {
+        Sample {
+            omega_e: 100.0 + slip,
+            omega_c: [100.0, 64.0],
+            gear: [1, 2],
+            actuation: [8e-3, 0.0].map(|position| Actuation {
+                position,
+                pressure: 0.0,
+            }),
+            ..Sample::default()
+        }
+    }
+
+    /// A slip that grows past the band and reads small once, of noise, has not locked.
+    #[test]
+    fn one_small_sample_of_a_clutch_that_breaks_away_allows_no_swing() {
+        let (p, mut lock) = (Params::TABLE_1, Lock::default());
+        lock.start(&p, &sample(0.0));
+        assert!(lock.engaged()[0]);
+        for slip in [2.5, 3.1, 2.9, 3.3, 4.0] {
+            lock.step(&p, &sample(slip), [100.0, 0.0], H);
+        }
+        assert!(!lock.holds(0) && lock.slips(&sample(4.0))[0]);
+    }
+
+    #[test]
+    fn a_clutch_that_was_let_go_slips_until_its_slip_meets_0() {
+        let (p, mut lock) = (Params::TABLE_1, Lock::default());
+        lock.start(&p, &sample(0.0));
+        lock.let_go(0, 20.0);
+        for _ in 0..100 {
+            lock.step(&p, &sample(0.5), [20.0, 0.0], H);
+            assert!(!lock.holds(0));
+        }
+        lock.step(&p, &sample(-0.1), [20.0, 0.0], H);
+        assert!(lock.holds(0) && lock.met[0]);
     }
 
     #[test]

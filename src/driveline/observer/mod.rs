@@ -33,6 +33,7 @@ mod schedule;
 pub mod select;
 pub mod shift;
 pub mod speeds;
+mod standstill;
 mod tracker;
 
 pub use calibrating::{Calibrating, Calibration};

@@ -11,6 +11,7 @@ use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::output_speed;
+use crate::observer::standstill::held;
 use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
 use nalgebra::SVector;
 
@@ -97,6 +98,13 @@ impl<const N: usize> Tracker<N> {
         }
         let t_c = [self.belief.x[T_C], self.belief.x[T_C + 1]];
         self.lock.step(p, sample, t_c, h);
+    }
+
+    /// The driveline with a wheel that stands, if the brake holds it; `c` of the drive shaft [N·m·s/rad].
+    pub fn held(&self, p: &Params, sample: &Sample, c: f64) -> Option<Params> {
+        let x = &self.belief.x;
+        let t_o = x[T_S] + c * (x[W_O] - x[W_W]);
+        held(p, sample, x[W_W], t_o, x[T_V])
     }
 
     /// Speeds from measurements: at the start, and when a gear comes in. What is known of parameters
