@@ -5,10 +5,14 @@ use crate::{Access, Causality, Variable};
 /// Fails to compile, when called in a constant, if the table contradicts itself.
 ///
 /// # Panics
-/// For a name that is empty or used twice, `min` above `max`, an output without `depends_on`, a
+/// For more than 8192 rows, a name that is empty or used twice, `min` above `max`, an output without `depends_on`, a
 /// dependency that is no variable, a rate of anything but a Real input, and a slope of anything
 /// but a Real output.
 pub const fn check<M>(rows: &[Variable<M>]) {
+    assert!(
+        rows.len() <= crate::row::MOST,
+        "a table has more than 8192 rows"
+    );
     let mut index = 0;
     while index < rows.len() {
         let row = &rows[index];

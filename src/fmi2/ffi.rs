@@ -111,6 +111,8 @@ impl Reporter {
 }
 
 impl<M: Model> Component<M> {
+    #[cold]
+    #[inline(never)]
     fn refuse(&self, call: Call, error: &Error) -> Status {
         let status = error.status();
         self.reporter
@@ -143,6 +145,8 @@ impl<M: Model> Component<M> {
         body(&mut self.instance, &mut Log::new(&mut sink))
     }
 
+    #[cold]
+    #[inline(never)]
     fn poison(&mut self, call: Call) -> Status {
         self.poisoned = true;
         self.instance.condemn();

@@ -2,8 +2,8 @@
 //! description that was written from another table.
 
 use crate::hash::Hash;
-use crate::{Access, Model, Variable};
-use core::fmt::Write;
+use crate::row::rows;
+use crate::{Access, Enumeration, Model, Unit, Variable};
 
 /// GUID of model `M`, as in `modelDescription.xml`: `{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}`.
 #[must_use]
@@ -33,49 +33,112 @@ pub(crate) fn text(hash: u128) -> Text {
     })
 }
 
-/// The GUID as a number.
+/// The GUID as a number. What the table says is hashed by the compiler; so the library need not hold it.
 pub(crate) fn table_hash<M: Model>() -> u128 {
-    let mut hash = Hash::new();
+    let mut hash = const { said::<M>() };
     let mut model = M::default();
-    hash.text(M::NAME);
-    hash.text(M::DESCRIPTION);
-    number(&mut hash, Some(M::EXPERIMENT.start));
-    number(&mut hash, Some(M::EXPERIMENT.stop));
-    number(&mut hash, Some(M::EXPERIMENT.step));
-    for row in M::VARIABLES {
-        add_row(&mut hash, row);
-        add_start(&mut hash, row, &mut model);
+    for row in rows::<M>() {
+        match row.access {
+            Access::Real(field) => hash.bytes(&field(&mut model).to_bits().to_le_bytes()),
+            Access::Boolean(field) => hash.bytes(&[u8::from(*field(&mut model))]),
+            Access::Integer(field) | Access::Enumeration(field, _) => {
+                hash.bytes(&field(&mut model).to_le_bytes());
+            }
+        }
     }
     hash.value()
 }
 
-fn add_row<M>(hash: &mut Hash, row: &Variable<M>) {
-    hash.text(row.name);
-    hash.text(row.description);
-    debug(hash, &(row.causality, row.variability, row.unit));
-    [row.min, row.max, row.nominal]
-        .into_iter()
-        .for_each(|limit| number(hash, limit));
-    debug(hash, &(row.dependencies, row.initial_dependencies));
-    debug(hash, &(row.rate.is_some(), row.slope.is_some()));
+/// Hash of everything but the start values.
+const fn said<M: Model>() -> Hash {
+    let mut hash = Hash::new();
+    hash.text(M::NAME);
+    hash.text(M::DESCRIPTION);
+    let experiment = M::EXPERIMENT;
+    number(&mut hash, experiment.start);
+    number(&mut hash, experiment.stop);
+    number(&mut hash, experiment.step);
+    let mut index = 0;
+    while index < M::VARIABLES.len() {
+        add(&mut hash, &M::VARIABLES[index]);
+        index += 1;
+    }
+    hash
 }
 
-fn add_start<M>(hash: &mut Hash, row: &Variable<M>, model: &mut M) {
-    match row.access {
-        Access::Real(field) => debug(hash, &("Real", field(model).to_bits())),
-        Access::Integer(field) => debug(hash, &("Integer", *field(model))),
-        Access::Boolean(field) => debug(hash, &("Boolean", *field(model))),
-        Access::Enumeration(field, kind) => debug(hash, &(kind, *field(model))),
+const fn add<M>(hash: &mut Hash, row: &Variable<M>) {
+    hash.text(row.name);
+    hash.text(row.description);
+    hash.text(row.access.type_name());
+    hash.bytes(&[row.causality as u8, row.variability as u8]);
+    hash.bytes(&[row.rate.is_some() as u8, row.slope.is_some() as u8]);
+    unit(hash, &row.unit);
+    limit(hash, row.min);
+    limit(hash, row.max);
+    limit(hash, row.nominal);
+    names(hash, row.dependencies);
+    names(hash, row.initial_dependencies);
+    if let Access::Enumeration(_, kind) = row.access {
+        enumeration(hash, kind);
     }
 }
 
-fn number(hash: &mut Hash, number: Option<f64>) {
-    debug(hash, &number.map(f64::to_bits));
+const fn unit(hash: &mut Hash, unit: &Unit) {
+    hash.text(unit.name);
+    let mut base = 0;
+    while base < unit.exponents.len() {
+        hash.bytes(&unit.exponents[base].to_le_bytes());
+        base += 1;
+    }
+    count(hash, unit.display.len());
+    let mut index = 0;
+    while index < unit.display.len() {
+        let display = &unit.display[index];
+        hash.text(display.name);
+        number(hash, display.factor);
+        number(hash, display.offset);
+        index += 1;
+    }
 }
 
-fn debug(hash: &mut Hash, value: &dyn core::fmt::Debug) {
-    let mut text = String::new();
-    // Writing to a String cannot fail.
-    let _ = write!(text, "{value:?}");
-    hash.text(&text);
+const fn enumeration(hash: &mut Hash, kind: &Enumeration) {
+    hash.text(kind.name);
+    hash.text(kind.description);
+    count(hash, kind.items.len());
+    let mut index = 0;
+    while index < kind.items.len() {
+        let item = &kind.items[index];
+        hash.text(item.name);
+        hash.bytes(&item.value.to_le_bytes());
+        hash.text(item.description);
+        index += 1;
+    }
+}
+
+const fn names(hash: &mut Hash, names: Option<&[&str]>) {
+    hash.bytes(&[names.is_some() as u8]);
+    let Some(names) = names else {
+        return;
+    };
+    count(hash, names.len());
+    let mut index = 0;
+    while index < names.len() {
+        hash.text(names[index]);
+        index += 1;
+    }
+}
+
+const fn limit(hash: &mut Hash, limit: Option<f64>) {
+    hash.bytes(&[limit.is_some() as u8]);
+    if let Some(limit) = limit {
+        number(hash, limit);
+    }
+}
+
+const fn number(hash: &mut Hash, number: f64) {
+    hash.bytes(&number.to_bits().to_le_bytes());
+}
+
+const fn count(hash: &mut Hash, count: usize) {
+    hash.bytes(&(count as u64).to_le_bytes());
 }

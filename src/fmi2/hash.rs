@@ -11,14 +11,16 @@ impl Hash {
         Self(OFFSET)
     }
 
-    pub(crate) fn bytes(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u128::from(byte)).wrapping_mul(PRIME);
+    pub(crate) const fn bytes(&mut self, bytes: &[u8]) {
+        let mut index = 0;
+        while index < bytes.len() {
+            self.0 = (self.0 ^ bytes[index] as u128).wrapping_mul(PRIME);
+            index += 1;
         }
     }
 
     /// A text with a separator that no text contains, so that `ab`, `c` and `a`, `bc` differ.
-    pub(crate) fn text(&mut self, text: &str) {
+    pub(crate) const fn text(&mut self, text: &str) {
         self.bytes(text.as_bytes());
         self.bytes(&[0xff]);
     }

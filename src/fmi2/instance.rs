@@ -3,9 +3,10 @@
 //! A call that returns an error has changed nothing, except when the model itself failed: then the
 //! instance is in [`State::Error`] until it is reset or a saved state is restored.
 
+use crate::row::{Row, row, rows};
 use crate::saved::Saved;
 use crate::value::{Value, find, finite, settable};
-use crate::{Call, Causality, Error, Failure, Log, Model, State, Variable};
+use crate::{Call, Error, Failure, Log, Model, State};
 
 mod plain;
 mod tangent;
@@ -137,8 +138,8 @@ impl<M: Model> Instance<M> {
         self.permit(T::GET)?;
         let (mut computed, mut on_demand) = (false, false);
         for &reference in references {
-            let (row, _) = find::<M, T>(M::VARIABLES, reference)?;
-            computed |= is_computed(row);
+            let (row, _) = find::<M, T>(reference)?;
+            computed |= row.is_computed();
             on_demand |= row.on_demand;
         }
         if computed && self.now.stale || on_demand {
@@ -146,7 +147,7 @@ impl<M: Model> Instance<M> {
         }
         let model = &mut self.now.model;
         let value = |&reference| {
-            let (_, field) = find::<M, T>(M::VARIABLES, reference).ok()?;
+            let (_, field) = find::<M, T>(reference).ok()?;
             Some(*field(model))
         };
         Ok(references.iter().filter_map(value))
@@ -165,12 +166,12 @@ impl<M: Model> Instance<M> {
         self.permit(T::SET)?;
         distinct::<M>(references)?;
         for (&reference, value) in references.iter().zip(values.clone()) {
-            let (row, _) = find::<M, T>(M::VARIABLES, reference)?;
+            let (row, _) = find::<M, T>(reference)?;
             settable(row, self.now.state)?;
             value.check(row)?;
         }
         for (&reference, value) in references.iter().zip(values) {
-            let (_, field) = find::<M, T>(M::VARIABLES, reference)?;
+            let (_, field) = find::<M, T>(reference)?;
             *field(&mut self.now.model) = value;
             self.now.stale = true;
         }
@@ -308,7 +309,7 @@ impl<M: Model> Instance<M> {
 
     /// No importer shall be handed a NaN that the model did not notice.
     fn demand_finite(&mut self) -> Result<(), Error> {
-        for row in M::VARIABLES.iter().filter(|row| is_computed(row)) {
+        for row in rows::<M>().filter(|row| row.is_computed()) {
             let Some(field) = f64::field(&row.access) else {
                 continue;
             };
@@ -346,15 +347,8 @@ fn distinct<M: Model>(references: &[u32]) -> Result<(), Error> {
 
 #[cold]
 fn duplicate<M: Model>(reference: u32) -> Error {
-    let row = usize::try_from(reference)
-        .ok()
-        .and_then(|at| M::VARIABLES.get(at));
-    let variable = row.map_or("a value reference", |row| row.name);
+    let variable = row::<M>(reference).map_or("a value reference", |row| row.name);
     Error::Duplicate { variable }
-}
-
-fn is_computed<M>(row: &Variable<M>) -> bool {
-    matches!(row.causality, Causality::Output | Causality::Local)
 }
 
 type Reals<M> = fn(&mut M) -> &mut f64;
@@ -362,9 +356,9 @@ type Reals<M> = fn(&mut M) -> &mut f64;
 fn derivative<M: Model>(
     reference: u32,
     order: i32,
-    choose: fn(&Variable<M>) -> Option<Reals<M>>,
-) -> Result<(&'static Variable<M>, Reals<M>), Error> {
-    let (row, _) = find::<M, f64>(M::VARIABLES, reference)?;
+    choose: fn(&Row<M>) -> Option<Reals<M>>,
+) -> Result<(&'static Row<M>, Reals<M>), Error> {
+    let (row, _) = find::<M, f64>(reference)?;
     let field = choose(row).filter(|_| order == 1);
     field.map(|field| (row, field)).ok_or(Error::NoDerivative {
         variable: row.name,

@@ -13,6 +13,7 @@ mod instance;
 mod logger;
 pub mod model;
 mod request;
+mod row;
 mod saved;
 mod state;
 pub mod unit;

@@ -9,7 +9,8 @@
 
 use crate::guid::table_hash;
 use crate::hash::Hash;
-use crate::{Access, Causality, Error, Model, State, StateFields, Value as _, Variable};
+use crate::row::{Row, rows};
+use crate::{Access, Causality, Error, Model, State, StateFields, Value as _};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
 const VERSION: u32 = 2;
@@ -105,7 +106,7 @@ impl<M: Model> Saved<M> {
             return Err(Error::Serialised("holds times that are none"));
         }
         let runs = matches!(self.state, State::StepComplete | State::Terminated);
-        for row in M::VARIABLES {
+        for row in rows::<M>() {
             check_row(row, &mut self.model, runs)?;
         }
         let fits = !runs || self.model.consistent().is_ok();
@@ -121,7 +122,7 @@ impl<M: Model> Saved<M> {
         for time in [&mut self.time, &mut self.start, &mut self.stop] {
             fields.real(time);
         }
-        for row in M::VARIABLES {
+        for row in rows::<M>() {
             match row.access {
                 Access::Real(field) => fields.real(field(&mut self.model)),
                 Access::Boolean(field) => fields.boolean(field(&mut self.model)),
@@ -138,7 +139,7 @@ impl<M: Model> Saved<M> {
 }
 
 /// Limits hold always; what is computed is finite unless the model failed.
-fn check_row<M>(row: &Variable<M>, model: &mut M, runs: bool) -> Result<(), Error> {
+fn check_row<M>(row: &Row<M>, model: &mut M, runs: bool) -> Result<(), Error> {
     let set = matches!(row.causality, Causality::Input | Causality::Parameter);
     let sound = match row.access {
         Access::Real(field) if set => field(model).check(row).is_ok(),

@@ -1,6 +1,7 @@
 //! The types a variable can have at the interface, and when a value is legal.
 
-use crate::{Access, Call, Causality, Error, State, Variability, Variable};
+use crate::row::{Row, row};
+use crate::{Access, Call, Causality, Error, Model, State, Variability};
 
 /// A type that the getters and setters of FMI move: `f64`, `i32` or `bool`.
 pub trait Value: Copy + 'static {
@@ -18,7 +19,7 @@ pub trait Value: Copy + 'static {
     ///
     /// # Errors
     /// When it is not finite, outside the limits of the row, or none of its enumeration.
-    fn check<M>(self, row: &Variable<M>) -> Result<(), Error>;
+    fn check<M>(self, row: &Row<M>) -> Result<(), Error>;
 }
 
 impl Value for f64 {
@@ -34,7 +35,7 @@ impl Value for f64 {
     }
 
     #[inline]
-    fn check<M>(self, row: &Variable<M>) -> Result<(), Error> {
+    fn check<M>(self, row: &Row<M>) -> Result<(), Error> {
         finite(row.name, self)?;
         within(row, self)
     }
@@ -52,7 +53,7 @@ impl Value for i32 {
         }
     }
 
-    fn check<M>(self, row: &Variable<M>) -> Result<(), Error> {
+    fn check<M>(self, row: &Row<M>) -> Result<(), Error> {
         let (variable, value) = (row.name, self);
         match row.access {
             Access::Enumeration(_, kind) if kind.items.iter().all(|item| item.value != value) => {
@@ -79,7 +80,7 @@ impl Value for bool {
         }
     }
 
-    fn check<M>(self, _: &Variable<M>) -> Result<(), Error> {
+    fn check<M>(self, _: &Row<M>) -> Result<(), Error> {
         Ok(())
     }
 }
@@ -89,14 +90,10 @@ pub(crate) type Field<M, T> = fn(&mut M) -> &mut T;
 
 /// The row of a value reference, with its field of type `T`.
 #[inline]
-pub(crate) fn find<M, T: Value>(
-    rows: &[Variable<M>],
+pub(crate) fn find<M: Model, T: Value>(
     reference: u32,
-) -> Result<(&Variable<M>, Field<M, T>), Error> {
-    let row = usize::try_from(reference)
-        .ok()
-        .and_then(|index| rows.get(index));
-    match row.and_then(|row| Some((row, T::field(&row.access)?))) {
+) -> Result<(&'static Row<M>, Field<M, T>), Error> {
+    match row::<M>(reference).and_then(|row| Some((row, T::field(&row.access)?))) {
         Some(found) => Ok(found),
         None => Err(unknown::<T>(reference)),
     }
@@ -112,7 +109,7 @@ fn unknown<T: Value>(reference: u32) -> Error {
 ///
 /// Note 1 leaves out inputs in `instantiated`, but importers set them there.
 #[inline]
-pub(crate) fn settable<M>(row: &Variable<M>, state: State) -> Result<(), Error> {
+pub(crate) fn settable<M>(row: &Row<M>, state: State) -> Result<(), Error> {
     let legal = match row.causality {
         Causality::Input => true,
         Causality::Parameter => {
@@ -139,19 +136,21 @@ pub(crate) fn finite(variable: &'static str, value: f64) -> Result<(), Error> {
     }
 }
 
-fn within<M>(row: &Variable<M>, value: f64) -> Result<(), Error> {
-    let variable = row.name;
-    match (row.min, row.max) {
-        (Some(min), _) if value < min => Err(Error::BelowMin {
-            variable,
+fn within<M>(row: &Row<M>, value: f64) -> Result<(), Error> {
+    let Row { name, min, max, .. } = *row;
+    if value < min {
+        Err(Error::BelowMin {
+            variable: name,
             value,
             min,
-        }),
-        (_, Some(max)) if value > max => Err(Error::AboveMax {
-            variable,
+        })
+    } else if value > max {
+        Err(Error::AboveMax {
+            variable: name,
             value,
             max,
-        }),
-        _ => Ok(()),
+        })
+    } else {
+        Ok(())
     }
 }

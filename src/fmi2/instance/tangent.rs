@@ -1,8 +1,9 @@
 //! Directional derivatives: how the outputs change when the inputs move in a direction.
 
 use super::{Instance, distinct};
+use crate::row::{Row, rows};
 use crate::value::{Value, find, finite};
-use crate::{Call, Causality, Error, Log, Model, Variable};
+use crate::{Call, Causality, Error, Log, Model};
 
 /// Whether a model has directional derivatives: it computes them, or no output depends on an input.
 #[must_use]
@@ -11,9 +12,8 @@ pub fn provides_directional_derivatives<M: Model>() -> bool {
     M::TANGENT || outputs.all(|row| row.dependencies == Some(&[]))
 }
 
-fn reals<M: Model>(causality: Causality) -> impl Iterator<Item = &'static Variable<M>> {
-    let rows = M::VARIABLES.iter();
-    rows.filter(move |row| row.causality == causality && f64::field(&row.access).is_some())
+fn reals<M: Model>(causality: Causality) -> impl Iterator<Item = &'static Row<M>> {
+    rows::<M>().filter(move |row| row.causality == causality && f64::field(&row.access).is_some())
 }
 
 impl<M: Model> Instance<M> {
@@ -56,7 +56,7 @@ impl<M: Model> Instance<M> {
             *field(&mut seed) = 0.0;
         }
         for (&reference, &value) in knowns.iter().zip(direction) {
-            if let Ok((_, field)) = find::<M, f64>(M::VARIABLES, reference) {
+            if let Ok((_, field)) = find::<M, f64>(reference) {
                 *field(&mut seed) = value;
             }
         }
@@ -66,9 +66,9 @@ impl<M: Model> Instance<M> {
 
 /// The result for one output: 0 where its row says that it depends on none of the knowns.
 fn derivative<M: Model>(result: &mut M, unknown: u32, knowns: &[u32]) -> Option<f64> {
-    let (row, field) = find::<M, f64>(M::VARIABLES, unknown).ok()?;
+    let (row, field) = find::<M, f64>(unknown).ok()?;
     let named = |known: &u32| {
-        let found = find::<M, f64>(M::VARIABLES, *known).ok()?;
+        let found = find::<M, f64>(*known).ok()?;
         Some(found.0.name)
     };
     let depends = |names: &[&str]| {
@@ -84,11 +84,8 @@ fn derivative<M: Model>(result: &mut M, unknown: u32, knowns: &[u32]) -> Option<
     }
 }
 
-fn of_causality<M: Model>(
-    reference: u32,
-    causality: Causality,
-) -> Result<&'static Variable<M>, Error> {
-    let (row, _) = find::<M, f64>(M::VARIABLES, reference)?;
+fn of_causality<M: Model>(reference: u32, causality: Causality) -> Result<&'static Row<M>, Error> {
+    let (row, _) = find::<M, f64>(reference)?;
     if row.causality == causality {
         Ok(row)
     } else {

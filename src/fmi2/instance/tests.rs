@@ -2,7 +2,7 @@
 
 use super::plain::nominal;
 use super::*;
-use crate::{Category, Enumeration, Experiment, Item, StateFields, Status, Unit};
+use crate::{Category, Enumeration, Experiment, Item, StateFields, Status, Unit, Variable};
 use core::fmt;
 
 /// A tank: level' = inflow / area; negative areas make it fail, a level above 100 makes it panic.
