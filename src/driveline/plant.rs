@@ -103,7 +103,7 @@ pub struct Plant {
     pub work: Work,
     /// Energy stored at the start, and brought since then by the wheels of gears [J].
     pub stored_at_start: f64,
-    /// The grade of the last step, so that its sine and cosine are not computed anew.
+    /// The road at the start of the last step, so that what it is made of is not computed anew.
     pub(crate) grade: Grade,
 }
 

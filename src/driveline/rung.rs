@@ -104,6 +104,11 @@ impl Motion {
         x[W] + self.0[3]
     }
 
+    /// ω_w(t) − ω_w(0) [rad/s].
+    pub(crate) const fn wheel_speed_change(&self) -> f64 {
+        self.0[3]
+    }
+
     /// ∫ ω_w dτ [rad] and ∫ τ ω_w dτ [rad·s], shape (2): what a constant torque and a ramp on the wheels work on.
     pub(crate) const fn wheel_angles(&self) -> [f64; 2] {
         [self.0[7], self.0[8]]

@@ -16,6 +16,9 @@ use crate::params::RoadParams;
 
 /// Argument beyond which tanh is 1 to the last bit.
 const SATURATED: f64 = 22.0;
+/// Change of an argument up to which the Padé approximant of tanh of it, x (945 + 105 x² + x⁴) over
+/// 945 + 420 x² + 15 x⁴, is exact to round-off: its error is x¹⁰/10⁷ of it.
+const NEAR: f64 = 0.1;
 
 impl RoadParams {
     /// T_v of (11): load torque at the wheel [N·m], positive when it brakes forward motion.
@@ -35,13 +38,36 @@ impl RoadParams {
     /// Returns its slope by ω_w [N·m·s/rad] as well.
     #[inline(always)]
     pub(crate) fn smooth_load(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        self.load_by(omega_w, grade, |ratio| grade.direction_at(ratio))
+    }
+
+    /// The same at the wheel speed that the grade was travelled at.
+    #[inline(always)]
+    pub(crate) fn smooth_load_here(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        self.load_by(omega_w, grade, |_| grade.direction)
+    }
+
+    /// The same at a wheel speed near that which the grade was travelled at.
+    #[inline(always)]
+    pub(crate) fn smooth_load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        self.load_by(omega_w, grade, |ratio| grade.direction_near(ratio))
+    }
+
+    /// `direction`: tanh of V/V_ε.
+    #[inline(always)]
+    fn load_by(
+        &self,
+        omega_w: f64,
+        grade: &Grade,
+        direction: impl FnOnce(f64) -> f64,
+    ) -> (f64, f64) {
         let v = self.r_w * omega_w;
         let drag = 0.5 * self.rho_air * self.a_v * self.c_drag * v.abs();
         let (mut force, mut slope) = (self.weight() * grade.sin + drag * v, 2.0 * drag);
         if self.v_eps > 0.0 {
             let roll = self.weight() * grade.cos * self.c_rr;
             let ratio = v / self.v_eps;
-            let direction = grade.direction_at(ratio);
+            let direction = direction(ratio);
             force += roll * direction;
             slope += roll * (1.0 - direction * direction) / self.v_eps;
         }
@@ -150,8 +176,19 @@ impl Grade {
     #[inline(always)]
     pub(crate) fn travel(&mut self, road: &RoadParams, omega_w: f64) {
         let ratio = road.r_w * omega_w / road.v_eps;
-        if ratio.abs() <= SATURATED {
-            (self.ratio, self.direction) = (ratio, self.direction_at(ratio));
+        (self.ratio, self.direction) = (ratio, self.direction_at(ratio));
+    }
+
+    /// tanh of V/V_ε at a speed near that of [`Self::travel`].
+    #[inline(always)]
+    fn direction_near(&self, ratio: f64) -> f64 {
+        let change = ratio - self.ratio;
+        if ratio.abs() > SATURATED {
+            1.0_f64.copysign(ratio)
+        } else if change.abs() <= NEAR {
+            tanh_of_sum(self.direction, change)
+        } else {
+            tanh(ratio)
         }
     }
 
@@ -166,6 +203,16 @@ impl Grade {
             tanh(ratio)
         }
     }
+}
+
+/// tanh (a + b) of tanh a and b, |b| ≤ [`NEAR`]: addition theorem with the Padé approximant of tanh b.
+#[cold]
+#[inline(never)] // most speeds do not need it
+fn tanh_of_sum(tanh_a: f64, b: f64) -> f64 {
+    let square = b * b;
+    let above = b * (945.0 + square * (105.0 + square));
+    let below = 945.0 + square * (420.0 + square * 15.0);
+    (tanh_a * below + above) / (below + tanh_a * above)
 }
 
 #[cold]
@@ -207,6 +254,23 @@ mod tests {
             let (load, slope) = road.smooth_load(omega_w, &grade);
             assert!((load - road.load_torque(omega_w, 0.04)).abs() < 1e-9);
             assert!((slope - road.load_torque_slope(omega_w, 0.04)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn near_a_speed_the_load_is_what_it_is_there() {
+        let road = Params::TABLE_1.road;
+        let mut grade = Grade::LEVEL.at(0.04);
+        for ratio in [-40.0, -22.05, -3.0, -0.3, 0.0, 0.01, 0.7, 4.0, 21.95, 30.0] {
+            let omega_w = ratio * road.v_eps / road.r_w;
+            grade.travel(&road, omega_w);
+            for change in [-0.3, -0.1, -0.05, -1e-9, 0.0, 0.02, 0.0999, 5.0] {
+                let omega_w = (ratio + change) * road.v_eps / road.r_w;
+                let (near, near_slope) = road.smooth_load_near(omega_w, &grade);
+                let (load, slope) = road.smooth_load(omega_w, &grade);
+                assert!((near - load).abs() < 1e-12, "{ratio} {change}");
+                assert!((near_slope - slope).abs() < 1e-11, "{ratio} {change}");
+            }
         }
     }
 

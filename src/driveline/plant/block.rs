@@ -75,10 +75,10 @@ impl Block {
         let direction = plant.brake.direction();
         let ramp = load_ramp(
             rung,
-            block.start.torque(LOAD),
-            block.motion.wheel_speed(&block.start.x),
-            |omega_w| {
-                let grade = &block.grade_end;
+            (block.start.torque(LOAD), 0.0),
+            block.motion.wheel_speed_change(),
+            |change| {
+                let (grade, omega_w) = (&block.grade_end, block.start.x[W] + change);
                 block.input_end.load_torque(p, grade, omega_w, direction)
             },
         );
@@ -271,17 +271,21 @@ fn weighted(a: f64, x: (f64, f64), b: f64, y: (f64, f64)) -> Guard {
     }
 }
 
-/// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method.
+/// Ramp of T_v [N·m/s] that meets (11) at the end of the rung, by Newton's method from the tangent at the start.
 ///
-/// `t_v`: T_v at the start [N·m]. `held`: ω_w at the end if T_v stays as it is [rad/s].
-/// `load`: T_v [N·m] and its slope at a wheel speed.
+/// `start`: T_v at the start [N·m], and its slope over ω_w if it is to begin with it, else 0. `held`: change of ω_w
+/// if T_v stays as it is [rad/s]. `load`: T_v [N·m] and its slope after a change of ω_w.
 #[inline(always)]
-pub(crate) fn load_ramp(rung: &Rung, t_v: f64, held: f64, load: impl Fn(f64) -> (f64, f64)) -> f64 {
-    let gain = rung.wheel_speed_by_load_ramp();
-    let mut ramp = 0.0;
+pub(crate) fn load_ramp(
+    rung: &Rung,
+    start: (f64, f64),
+    held: f64,
+    load: impl Fn(f64) -> (f64, f64),
+) -> f64 {
+    let (gain, (t_v, slope)) = (rung.wheel_speed_by_load_ramp(), start);
+    let mut ramp = slope * held / (rung.t - slope * gain);
     for _ in 0..LOAD_ITERATIONS {
-        let omega_w = held + gain * ramp;
-        let (end, slope) = load(omega_w);
+        let (end, slope) = load(held + gain * ramp);
         let change = (end - t_v - ramp * rung.t) / (slope * gain - rung.t);
         ramp -= change;
         if (gain * change).abs() < LOAD_SETTLED {
