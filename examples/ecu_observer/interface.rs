@@ -1,51 +1,43 @@
-//! The structs of `dct_observer.h`, field by field in its order, and what they become inside.
+//! Settings, sample and estimate of `dct_observer.h`, field by field in its order, and what they become inside.
 
 use crate::header;
-use dct_driveline::clutch::MAP_POINTS;
-use dct_driveline::observer::{self, LoadMethod};
-use dct_driveline::params::{Actuation, ClutchParams, GEARS_PER_SHAFT, RoadParams};
-use dct_driveline::{ForceMap, Params};
+use crate::vehicle::{above, is_size};
+use dct_driveline::observer::calibrating::{Gains, PARAMETERS};
+use dct_driveline::observer::prior::Prior;
+use dct_driveline::observer::{self, Fault, LoadMethod, Method, Phase};
+use dct_driveline::params::Actuation;
 
-const _: () = assert!(header::number("#define DCT_GEARS_PER_SHAFT ") == GEARS_PER_SHAFT);
-const _: () = assert!(header::number("#define DCT_MAP_POINTS ") == MAP_POINTS);
+const _: () = assert!(header::number("#define DCT_PARAMETERS ") == PARAMETERS);
+const _: () = assert!(header::number("DCT_PAPER = ") == Method::Paper as usize);
+const _: () = assert!(header::number("DCT_LYAPUNOV = ") == Method::Lyapunov as usize);
+const _: () = assert!(header::number("DCT_ENERGY = ") == Method::Energy as usize);
+const _: () = assert!(header::number("DCT_KALMAN = ") == Method::Kalman as usize);
+const _: () = assert!(header::number("DCT_CALIBRATING = ") == Method::Calibrating as usize);
+const _: () = assert!(header::number("DCT_OPEN = ") == Phase::Open as usize);
+const _: () = assert!(header::number("DCT_SLIPPING = ") == Phase::Slipping as usize);
+const _: () = assert!(header::number("DCT_ENGAGED = ") == Phase::Engaged as usize);
+const _: () = assert!(header::number("DCT_HANDOVER = ") == Phase::Handover as usize);
+const _: () = assert!(header::number("DCT_NOT_FINITE = ") == Fault::NotFinite as usize);
+const _: () = assert!(header::number("DCT_NO_SPEED = ") == Fault::NoSpeed as usize);
+const _: () = assert!(header::number("DCT_FROZEN = ") == Fault::Frozen as usize);
+const _: () = assert!(header::number("DCT_SATURATED = ") == Fault::Saturated as usize);
+const _: () = assert!(header::number("DCT_DIVERGED = ") == Fault::Diverged as usize);
+const _: () = assert!(header::number("DCT_INCONSISTENT = ") == Fault::Inconsistent as usize);
 
-/// `dct_clutch`.
-#[repr(C)]
-pub struct Clutch {
-    effective_radius: f64,
-    map_position: [f64; MAP_POINTS],
-    map_force: [f64; MAP_POINTS],
-    piston_area: f64,
-    return_force: f64,
-}
-
-/// `dct_vehicle`.
-#[repr(C)]
-pub struct Vehicle {
-    engine_inertia: f64,
-    damper_inertia: f64,
-    clutch_inertia: [f64; 2],
-    output_inertia: f64,
-    wheel_inertia: f64,
-    drive_shaft_stiffness: f64,
-    drive_shaft_damping: f64,
-    gear_ratio: [[f64; GEARS_PER_SHAFT]; 2],
-    final_drive_ratio: [f64; 2],
-    mass: f64,
-    wheel_radius: f64,
-    air_density: f64,
-    frontal_area: f64,
-    drag_coefficient: f64,
-    rolling_resistance: f64,
-    clutch: [Clutch; 2],
-}
+/// Which of the parameters learnt are no relative errors: biases of T_e and of the wheel speed.
+const BIASES: [usize; 2] = [1, 3];
+/// A parameter that is a tenth of what it was believed to be is no calibration any more.
+const RATIO: f64 = -0.9;
 
 /// `dct_settings`.
 #[repr(C)]
 pub struct SettingsOfC {
     nominal_friction: [f64; 2],
+    calibration: [f64; PARAMETERS],
+    calibration_deviation: [f64; PARAMETERS],
     adaptation: i32,
     load_method: i32,
+    method: i32,
 }
 
 /// `dct_sample`.
@@ -69,146 +61,33 @@ pub struct Estimate {
     drive_shaft_torque: f64,
     load_torque: f64,
     friction: [f64; 2],
+    clutch_torque_deviation: [f64; 2],
+    drive_shaft_torque_deviation: f64,
+    consistency: f64,
+    excitation: f64,
+    calibration: [f64; PARAMETERS],
+    calibration_deviation: [f64; PARAMETERS],
+    vehicle_mass: [f64; 2],
     engaged: [i32; 2],
+    phase: i32,
     valid: i32,
-}
-
-impl Vehicle {
-    /// The vehicle, if every value makes sense.
-    ///
-    /// Compliances and friction of the plant, which no observer reads, are those of Table 1.
-    pub fn checked(&self) -> Option<Params> {
-        let positive = [
-            self.engine_inertia,
-            self.damper_inertia,
-            self.clutch_inertia[0],
-            self.clutch_inertia[1],
-            self.output_inertia,
-            self.wheel_inertia,
-            self.drive_shaft_stiffness,
-            self.final_drive_ratio[0],
-            self.final_drive_ratio[1],
-            self.mass,
-            self.wheel_radius,
-        ];
-        let not_negative = [
-            self.drive_shaft_damping,
-            self.air_density,
-            self.frontal_area,
-            self.drag_coefficient,
-            self.rolling_resistance,
-        ];
-        let finite = |value: &f64| value.is_finite();
-        let ratios = self.gear_ratio.iter().flatten();
-        let fine = positive.iter().all(|value| finite(value) && *value > 0.0)
-            && not_negative
-                .iter()
-                .chain(ratios)
-                .all(|value| finite(value) && *value >= 0.0)
-            && self.clutch.iter().all(Clutch::makes_sense);
-        fine.then(|| self.params())
-    }
-
-    fn params(&self) -> Params {
-        Params {
-            j_e: self.engine_inertia,
-            j_d: self.damper_inertia,
-            j_ct: self.clutch_inertia,
-            j_o: self.output_inertia,
-            j_v: self.wheel_inertia,
-            k_o: self.drive_shaft_stiffness,
-            c_o: self.drive_shaft_damping,
-            i_t: self.gear_ratio,
-            i_f: self.final_drive_ratio,
-            road: RoadParams {
-                m_v: self.mass,
-                r_w: self.wheel_radius,
-                rho_air: self.air_density,
-                a_v: self.frontal_area,
-                c_drag: self.drag_coefficient,
-                c_rr: self.rolling_resistance,
-                ..Params::TABLE_1.road
-            },
-            clutch: [0, 1].map(|i| self.clutch[i].params(&Params::TABLE_1.clutch[i])),
-            ..Params::TABLE_1
-        }
-    }
-}
-
-impl From<&Params> for Vehicle {
-    fn from(p: &Params) -> Self {
-        Self {
-            engine_inertia: p.j_e,
-            damper_inertia: p.j_d,
-            clutch_inertia: p.j_ct,
-            output_inertia: p.j_o,
-            wheel_inertia: p.j_v,
-            drive_shaft_stiffness: p.k_o,
-            drive_shaft_damping: p.c_o,
-            gear_ratio: p.i_t,
-            final_drive_ratio: p.i_f,
-            mass: p.road.m_v,
-            wheel_radius: p.road.r_w,
-            air_density: p.road.rho_air,
-            frontal_area: p.road.a_v,
-            drag_coefficient: p.road.c_drag,
-            rolling_resistance: p.road.c_rr,
-            clutch: p.clutch.each_ref().map(Clutch::from),
-        }
-    }
-}
-
-impl Clutch {
-    fn makes_sense(&self) -> bool {
-        let ends = self.map_position.iter().chain(&self.map_force);
-        let numbers = ends.chain([&self.piston_area, &self.return_force]);
-        let positions = self.map_position.windows(2).all(|two| two[0] < two[1]);
-        let forces = self.map_force.windows(2).all(|two| two[0] <= two[1]);
-        self.effective_radius.is_finite()
-            && self.effective_radius > 0.0
-            && numbers
-                .into_iter()
-                .all(|value| value.is_finite() && *value >= 0.0)
-            && positions
-            && forces
-    }
-
-    fn params(&self, rest: &ClutchParams) -> ClutchParams {
-        ClutchParams {
-            r_c_n: self.effective_radius,
-            map: ForceMap {
-                position: self.map_position,
-                force: self.map_force,
-            },
-            piston_area: self.piston_area,
-            return_force: self.return_force,
-            ..*rest
-        }
-    }
-}
-
-impl From<&ClutchParams> for Clutch {
-    fn from(clutch: &ClutchParams) -> Self {
-        Self {
-            effective_radius: clutch.r_c_n,
-            map_position: clutch.map.position,
-            map_force: clutch.map.force,
-            piston_area: clutch.piston_area,
-            return_force: clutch.return_force,
-        }
-    }
+    fault: i32,
 }
 
 impl SettingsOfC {
-    /// Friction case 1 of the paper, load torque from momentum.
+    /// Friction case 1 of the paper, load torque from momentum, method `paper`.
     pub const CASE_1: Self = Self {
         nominal_friction: observer::Settings::CASE_1.mu_n,
+        calibration: Prior::NONE.0,
+        calibration_deviation: Gains::DEFAULT.sigma,
         adaptation: 1,
         load_method: 3,
+        method: Method::Paper as i32,
     };
 
-    /// The settings, if every value makes sense.
-    pub fn checked(&self) -> Option<observer::Settings> {
+    /// Method and settings, if every value makes sense.
+    pub fn checked(&self) -> Option<(Method, observer::Settings)> {
+        let method = Method::ALL.into_iter().find(|m| *m as i32 == self.method)?;
         let load = match self.load_method {
             1 => LoadMethod::Grade,
             2 => LoadMethod::Engine,
@@ -216,15 +95,29 @@ impl SettingsOfC {
             _ => return None,
         };
         let friction = |mu: &f64| *mu > 0.0 && *mu <= 1.0;
-        self.nominal_friction
-            .iter()
-            .all(friction)
-            .then_some(observer::Settings {
+        let fine = self.nominal_friction.iter().all(friction) && self.is_calibration();
+        fine.then_some((
+            method,
+            observer::Settings {
                 mu_n: self.nominal_friction,
                 load,
                 adapts: self.adaptation != 0,
+                calibrating: Gains {
+                    prior: Prior(self.calibration),
+                    sigma: self.calibration_deviation,
+                    ..Gains::DEFAULT
+                },
                 ..observer::Settings::CASE_1
-            })
+            },
+        ))
+    }
+
+    fn is_calibration(&self) -> bool {
+        let mut learnt = self.calibration.iter().enumerate();
+        learnt.all(|(k, value)| {
+            let low = if BIASES.contains(&k) { f64::MIN } else { RATIO };
+            above(*value, low)
+        }) && self.calibration_deviation.iter().all(|s| is_size(*s))
     }
 }
 
@@ -254,8 +147,17 @@ impl From<observer::Estimate> for Estimate {
             drive_shaft_torque: estimate.t_o,
             load_torque: estimate.t_v,
             friction: estimate.friction,
+            clutch_torque_deviation: estimate.t_c_deviation,
+            drive_shaft_torque_deviation: estimate.t_o_deviation,
+            consistency: estimate.consistency,
+            excitation: estimate.excitation,
+            calibration: estimate.calibration.value,
+            calibration_deviation: estimate.calibration.deviation,
+            vehicle_mass: estimate.calibration.mass,
             engaged: estimate.engaged.map(i32::from),
+            phase: estimate.phase as i32,
             valid: i32::from(estimate.valid),
+            fault: estimate.fault.map_or(0, |fault| fault as i32),
         }
     }
 }

@@ -8,12 +8,16 @@
 
 mod header;
 mod interface;
+mod methods;
+mod vehicle;
 
 use core::mem::{MaybeUninit, size_of};
 use core::panic::PanicInfo;
 use dct_driveline::Params;
-use dct_driveline::observer::{self, Observer as _, Paper, Settings};
-use interface::{Estimate, Sample, SettingsOfC, Vehicle};
+use dct_driveline::observer::{self, Settings};
+use interface::{Estimate, Sample, SettingsOfC};
+use methods::Chosen;
+use vehicle::Vehicle;
 
 /// Everything went well.
 const OK: i32 = 0;
@@ -24,6 +28,9 @@ const VEHICLE: i32 = 2;
 /// A sample or a step is no number or out of range.
 const SAMPLE: i32 = 3;
 
+/// The library was built without this method.
+const METHOD: i32 = 4;
+
 /// Longest step [s], as of the observer's FMU.
 const LONGEST_STEP: f64 = 0.1;
 
@@ -31,7 +38,7 @@ const LONGEST_STEP: f64 = 0.1;
 pub struct State {
     vehicle: Params,
     settings: Settings,
-    observer: Paper,
+    observer: Chosen,
 }
 
 const ROOM: usize = header::number("#define DCT_OBSERVER_DOUBLES ") * size_of::<f64>();
@@ -40,7 +47,7 @@ const _: () = assert!(
     "dct_observer.h has too little room"
 );
 
-/// Fills in Table 1 and friction case 1.
+/// Fills in Table 1, friction case 1 and method `paper`.
 // SAFETY: no other symbol of this library or of C has this name.
 #[unsafe(no_mangle)]
 pub extern "C" fn dct_table_1(
@@ -71,22 +78,51 @@ pub extern "C" fn dct_observer_start(
     let (Some(sample), Some(estimate)) = (sample, estimate) else {
         return NULL;
     };
-    let (Some(vehicle), Some(settings)) = (vehicle.checked(), settings.checked()) else {
-        return VEHICLE;
-    };
     let sample: observer::Sample = sample.into();
-    let both = vehicle.g(sample.gear).iter().all(|ratio| *ratio != 0.0);
-    if !both || !sample.is_finite() {
-        return SAMPLE;
+    match fill(state, vehicle, settings, &sample) {
+        Ok(state) => {
+            estimate.write(begin(state, &sample));
+            OK
+        }
+        Err(refusal) => refusal,
     }
-    let mut observer = Paper::default();
-    estimate.write(observer.start(&vehicle, &settings, &sample).into());
-    state.write(State {
+}
+
+/// The state before its start, if everything makes sense.
+#[inline(never)] // its room on the stack is free again when the observer starts
+fn fill<'a>(
+    state: &'a mut MaybeUninit<State>,
+    vehicle: &Vehicle,
+    settings: &SettingsOfC,
+    sample: &observer::Sample,
+) -> Result<&'a mut State, i32> {
+    let (Some(vehicle), Some((method, settings))) = (vehicle.checked(), settings.checked()) else {
+        return Err(VEHICLE);
+    };
+    let ratios = vehicle.g(sample.gear);
+    let fitted = [0, 1]
+        .iter()
+        .all(|i| sample.gear[*i] == 0 || ratios[*i] != 0.0);
+    if !fitted || !sample.is_finite() {
+        return Err(SAMPLE);
+    }
+    let observer = Chosen::new(method).ok_or(METHOD)?;
+    Ok(state.write(State {
         vehicle,
         settings,
         observer,
-    });
-    OK
+    }))
+}
+
+/// Starts the observer.
+#[inline(never)]
+fn begin(state: &mut State, sample: &observer::Sample) -> Estimate {
+    let State {
+        vehicle,
+        settings,
+        observer,
+    } = state;
+    observer.start(vehicle, settings, sample).into()
 }
 
 /// Advances by `step` [s].

@@ -1,67 +1,132 @@
-/* Replays measurements through the observer: samples from standard input, estimates to standard output.
+/* Replays measurements through the observer: CSV from standard input, estimates as CSV to standard output.
  *
- * A line in:  time, engine torque, engine speed, clutch speeds 1 2, wheel speed, positions 1 2, grade (SI)
- * A line out: clutch torques 1 2, drive-shaft torque, frictions 1 2, engaged 1 2, valid
- * The first line is the instant of the start. Gears 1 and 2 are in.
+ * The first line in names the columns: `time`, then measurements under the FMU's names, SI; what is not among them
+ * stays 0, gears 1 and 2. Parameters come as words, numbers under the FMU's names:
  *
- *     replay NOMINAL_FRICTION_1 NOMINAL_FRICTION_2 WHEEL_INERTIA EFFECTIVE_RADIUS_2 < in > out
+ *     replay observer.method=5 clutch1.nominalFriction=0.4 'shaft1.gearRatio[1]=3.0' < measured.csv > estimated.csv
+ *
+ * The first row is the instant of the start.
  */
-#include "dct_observer.h"
-#include <stdio.h>
+#include "names.h"
 #include <stdlib.h>
+
+#define COLUMNS 32
+#define LINE 4096
 
 /* All memory that the observer ever uses. */
 static dct_observer observer;
 
-static int next(dct_sample *s, double *time)
+static char line[LINE];
+static char *columns[COLUMNS];
+static char header[LINE];
+static int count;
+
+/* Reads the names of the columns; 0: there are none, or too many. */
+static int read_header(void)
 {
-    return scanf("%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", time, &s->engine_torque,
-                 &s->engine_speed, &s->clutch_speed[0], &s->clutch_speed[1], &s->wheel_speed,
-                 &s->position[0], &s->position[1], &s->road_grade) == 9;
+    if (!fgets(header, LINE, stdin))
+        return 0;
+    for (char *name = strtok(header, ",\r\n"); name; name = strtok(NULL, ",\r\n")) {
+        if (count == COLUMNS)
+            return 0;
+        columns[count++] = name;
+    }
+    return count > 1 && strcmp(columns[0], "time") == 0;
 }
 
-static void show(const dct_estimate *e)
+/* Reads a row into `sample`: 1, at the end of the input 0, where it makes no sense -1. */
+static int next(double *time)
 {
-    printf("%.17g,%.17g,%.17g,%.17g,%.17g,%d,%d,%d\n", e->clutch_torque[0], e->clutch_torque[1],
-           e->drive_shaft_torque, e->friction[0], e->friction[1], (int)e->engaged[0],
-           (int)e->engaged[1], (int)e->valid);
+    if (!fgets(line, LINE, stdin))
+        return 0;
+    char *cell = line;
+    for (int k = 0; k < count; k++) {
+        char *end;
+        double value = strtod(cell, &end);
+        int separated = *end == (k + 1 < count ? ',' : '\n') || *end == '\r';
+        if (end == cell || !separated)
+            return -1;
+        cell = end + 1;
+        if (k == 0)
+            *time = value;
+        else if (!put(inputs, COUNT(inputs), columns[k], value))
+            return -1;
+    }
+    return 1;
+}
+
+static void show_names(void)
+{
+    for (size_t k = 0; k < COUNT(outputs); k++)
+        printf("%s%s", k ? "," : "", outputs[k].name);
+    putchar('\n');
+}
+
+static void show(void)
+{
+    for (size_t k = 0; k < COUNT(outputs); k++) {
+        if (k)
+            putchar(',');
+        if (outputs[k].real)
+            printf("%.17g", *outputs[k].real);
+        else
+            printf("%d", (int)*outputs[k].integer);
+    }
+    putchar('\n');
 }
 
 /* A difference of times without its rounding: equal steps are equal to the bit, as in the FMU. */
-static double picoseconds(double step) {
+static double picoseconds(double step)
+{
     return (double)(int64_t)(step * 1e12 + 0.5) / 1e12;
 }
 
-int main(int count, char **words)
+/* Takes `name=value`; 0: there is no such parameter. */
+static int take(char *word)
 {
-    dct_vehicle vehicle;
-    dct_settings settings;
-    dct_sample sample = {.gear = {1, 2}};
-    dct_estimate estimate;
-    double time, last;
+    char *equals = strchr(word, '=');
+    if (!equals)
+        return 0;
+    *equals = '\0';
+    return put_parameter(word, atof(equals + 1));
+}
 
-    if (count != 5) {
-        fprintf(stderr, "replay: give two frictions, a wheel inertia and a radius\n");
-        return 2;
-    }
-    dct_table_1(&vehicle, &settings);
-    settings.nominal_friction[0] = atof(words[1]);
-    settings.nominal_friction[1] = atof(words[2]);
-    vehicle.wheel_inertia = atof(words[3]);
-    vehicle.clutch[1].effective_radius = atof(words[4]);
-    if (!next(&sample, &last)) {
-        fprintf(stderr, "replay: no sample\n");
-        return 2;
-    }
-    int32_t said = dct_observer_start(&observer, &vehicle, &settings, &sample, &estimate);
-    while (said == DCT_OK) {
-        show(&estimate);
-        if (!next(&sample, &time)) {
-            return 0;
-        }
-        said = dct_observer_step(&observer, &sample, picoseconds(time - last), &estimate);
+static int replay(void)
+{
+    double time = 0.0, last = 0.0;
+    int row = next(&last);
+    int32_t said = DCT_OK;
+    show_names();
+    if (row == 1)
+        said = dct_observer_start(&observer, &vehicle, &settings, &sample, &estimate);
+    while (row == 1 && said == DCT_OK) {
+        show();
+        row = next(&time);
+        if (row == 1)
+            said = dct_observer_step(&observer, &sample, picoseconds(time - last), &estimate);
         last = time;
     }
-    fprintf(stderr, "replay: the observer says %d\n", (int)said);
-    return 1;
+    if (said != DCT_OK)
+        fprintf(stderr, "replay: t = %g s: the observer says %d\n", last, (int)said);
+    if (row < 0)
+        fprintf(stderr, "replay: after t = %g s: a row that does not fit the names\n", last);
+    return said != DCT_OK || row < 0;
+}
+
+int main(int words, char **word)
+{
+    dct_table_1(&vehicle, &settings);
+    sample.gear[0] = 1;
+    sample.gear[1] = 2;
+    for (int k = 1; k < words; k++) {
+        if (!take(word[k])) {
+            fprintf(stderr, "replay: no parameter '%s'\n", word[k]);
+            return 2;
+        }
+    }
+    if (!read_header()) {
+        fprintf(stderr, "replay: the first line has to name the columns, `time` first\n");
+        return 2;
+    }
+    return replay();
 }

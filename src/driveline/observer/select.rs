@@ -56,33 +56,28 @@ impl Selected {
         }
     }
 
-    fn acting(&mut self) -> &mut dyn Observer {
-        match self.method {
+    fn parts(&mut self) -> (&mut Shift, &mut dyn Observer) {
+        let acting: &mut dyn Observer = match self.method {
             Method::Paper => &mut self.paper,
             Method::Lyapunov => &mut self.lyapunov,
             Method::Energy => &mut self.energy,
             Method::Kalman => &mut self.kalman,
             Method::Calibrating => &mut self.calibrating,
-        }
+        };
+        (&mut self.shift, acting)
     }
 }
 
 impl Observer for Selected {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self::new(self.method);
-        self.shift.start(sample);
-        self.acting()
-            .start(&p.in_gears(sample.gear), settings, sample)
+        let (shift, acting) = self.parts();
+        start_in_gears(shift, acting, p, settings, sample)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let sample = self.shift.step(p, sample, h);
-        if p.gears_add_inertia() {
-            self.acting()
-                .step(&p.in_gears(sample.gear), settings, &sample, h)
-        } else {
-            self.acting().step(p, settings, &sample, h)
-        }
+        let (shift, acting) = self.parts();
+        step_in_gears(shift, acting, p, settings, sample, h)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -92,5 +87,34 @@ impl Observer for Selected {
         self.energy.visit(visit);
         self.kalman.visit(visit);
         self.calibrating.visit(visit);
+    }
+}
+
+/// Starts the observer `acting` with the gears that are preselected, which are in, and `shift` with it.
+pub fn start_in_gears(
+    shift: &mut Shift,
+    acting: &mut dyn Observer,
+    p: &Params,
+    settings: &Settings,
+    sample: &Sample,
+) -> Estimate {
+    shift.start(sample);
+    acting.start(&p.in_gears(sample.gear), settings, sample)
+}
+
+/// Advances the observer `acting` by `h` [s] with the gears that are in, as `shift` finds them.
+pub fn step_in_gears(
+    shift: &mut Shift,
+    acting: &mut dyn Observer,
+    p: &Params,
+    settings: &Settings,
+    sample: &Sample,
+    h: f64,
+) -> Estimate {
+    let sample = shift.step(p, sample, h);
+    if p.gears_add_inertia() {
+        acting.step(&p.in_gears(sample.gear), settings, &sample, h)
+    } else {
+        acting.step(p, settings, &sample, h)
     }
 }
