@@ -27,6 +27,8 @@ const H: f64 = 1e-3;
 struct Error {
     name: &'static str,
     believed: fn(&mut Params),
+    /// Ticks per revolution that the observer knows of; 0 of speeds that it takes as they are.
+    ticks: f64,
     sensors: fn() -> Box<dyn FnMut(Sample) -> Sample>,
 }
 
@@ -35,8 +37,14 @@ const fn sensor(name: &'static str, sensors: fn() -> Box<dyn FnMut(Sample) -> Sa
     Error {
         name,
         believed,
+        ticks: 0.0,
         sensors,
     }
+}
+
+/// Encoders that the observer knows of.
+const fn known(ticks: f64, error: Error) -> Error {
+    Error { ticks, ..error }
 }
 
 const fn parameter(name: &'static str, believed: fn(&mut Params)) -> Error {
@@ -44,16 +52,25 @@ const fn parameter(name: &'static str, believed: fn(&mut Params)) -> Error {
     Error {
         name,
         believed,
+        ticks: 0.0,
         sensors,
     }
 }
 
 /// Every error by itself.
-const ERRORS: [Error; 22] = [
+const ERRORS: [Error; 24] = [
     sensor("none", || Box::new(perfect)),
     sensor("noise 0.1 rad/s on speeds", || Box::new(noisy(0.1, 1))),
     sensor("encoders of 4096 ticks", || Box::new(encoder(4096.0, H))),
+    known(
+        4096.0,
+        sensor("the same, ticks known", || Box::new(encoder(4096.0, H))),
+    ),
     sensor("encoders of 1024 ticks", || Box::new(encoder(1024.0, H))),
+    known(
+        1024.0,
+        sensor("the same, ticks known", || Box::new(encoder(1024.0, H))),
+    ),
     sensor("wheel speed +0.01 rad/s", || Box::new(wheel_bias)),
     sensor("T_e +5 % +2 N·m", || Box::new(torque_error)),
     sensor("speeds one step late", || Box::new(delayed())),
@@ -78,7 +95,11 @@ const ERRORS: [Error; 22] = [
 fn cell(method: Method, drive: &Drive, error: &Error) -> String {
     let mut believed = drive.p;
     (error.believed)(&mut believed);
-    let (mut observer, settings) = (Selected::new(method), Settings::CASE_1);
+    let mut observer = Selected::new(method);
+    let settings = Settings {
+        encoder: [error.ticks; 4],
+        ..Settings::CASE_1
+    };
     let sensors = (error.sensors)();
     let score = observe(
         drive,

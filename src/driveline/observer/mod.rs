@@ -8,14 +8,16 @@
 //!           └──> method: correct, adapt, predict <────────┘──> Estimate
 //! ```
 //!
-//! One file per method: [`paper`], [`lyapunov`], [`energy`], [`kalman`], [`calibrating`]; [`select`] chooses one at run time. A method
-//! is a function of (parameters, state, sample): no clock, no log, no allocation.
+//! One file per method: [`paper`], [`lyapunov`], [`energy`], [`kalman`], [`calibrating`]; [`select`] chooses one at run time, and turns
+//! counted ticks into speeds first ([`encoder`]). A method is a function of (parameters, state, sample): no clock, no
+//! log, no allocation.
 
 pub mod adaptive;
 pub mod anchor;
 pub mod calibrating;
 mod calibrating_model;
 pub mod damper;
+pub mod encoder;
 pub mod energy;
 mod filter;
 pub mod friction;
@@ -119,6 +121,9 @@ pub struct Settings {
     pub scheduled: bool,
     /// (29) acts; without it the observer keeps the friction it has.
     pub adapts: bool,
+    /// Ticks per revolution of the encoders that ω_e, ω_c1, ω_c2, ω_w are counted by [1], shape (4); 0 of a speed
+    /// that is not counted. [`Selected`] acts on it, with [`encoder`].
+    pub encoder: [f64; 4],
 }
 
 impl Settings {
@@ -133,6 +138,7 @@ impl Settings {
         calibrating: calibrating::Gains::DEFAULT,
         scheduled: true,
         adapts: true,
+        encoder: [0.0; 4],
     };
 }
 

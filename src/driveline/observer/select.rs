@@ -1,6 +1,7 @@
 //! The method that is chosen at run time.
 
 use crate::Params;
+use crate::observer::encoder::Encoders;
 use crate::observer::shift::Shift;
 use crate::observer::{
     Calibrating, Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit,
@@ -39,6 +40,7 @@ impl Method {
 pub struct Selected {
     /// The method that acts; takes effect with [`Observer::start`].
     pub method: Method,
+    encoders: Encoders,
     shift: Shift,
     paper: Paper,
     lyapunov: Lyapunov,
@@ -71,16 +73,23 @@ impl Selected {
 impl Observer for Selected {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self::new(self.method);
+        self.encoders.start(sample);
         let (shift, acting) = self.parts();
         start_in_gears(shift, acting, p, settings, sample)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
+        let counted = self.encoders.step(settings, sample, h);
+        let (sample, settings) = match &counted {
+            Some((sample, settings)) => (sample, settings),
+            None => (sample, settings),
+        };
         let (shift, acting) = self.parts();
         step_in_gears(shift, acting, p, settings, sample, h)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
+        self.encoders.visit(visit);
         self.shift.visit(visit);
         self.paper.visit(visit);
         self.lyapunov.visit(visit);

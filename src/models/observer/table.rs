@@ -1,6 +1,7 @@
 //! The table of `DctObserver`.
 
 mod calibration;
+mod encoder;
 mod gains;
 
 use super::Observer;
@@ -27,6 +28,7 @@ pub(super) const VARIABLES: &[Variable<Observer>] = table!(Observer:
     OUTPUTS, clutch_outputs::<0>(), clutch_outputs::<1>(),
     SETTINGS, NOMINAL_FRICTION, gains::GAINS, calibration::OUTPUTS, calibration::STARTS, calibration::ANCHORS,
     driveline(), road(), damper(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
+    encoder::TICKS,
 );
 
 static LOAD_METHOD: Enumeration = Enumeration {

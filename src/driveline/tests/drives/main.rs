@@ -12,5 +12,6 @@
 mod bench;
 mod calibrating;
 mod consistency;
+mod encoders;
 mod methods;
 mod observability;
