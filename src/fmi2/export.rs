@@ -52,9 +52,9 @@ macro_rules! export {
                 fmi2GetReal(vr: *const u32, n: usize, value: *mut f64)
                     = |c| FMU.get_reals(c, vr, n, value);
                 fmi2GetInteger(vr: *const u32, n: usize, value: *mut c_int)
-                    = |c| FMU.get::<i32, c_int>(c, vr, n, value);
+                    = |c| FMU.get_others::<i32, c_int>(c, vr, n, value);
                 fmi2GetBoolean(vr: *const u32, n: usize, value: *mut c_int)
-                    = |c| FMU.get::<bool, c_int>(c, vr, n, value);
+                    = |c| FMU.get_others::<bool, c_int>(c, vr, n, value);
                 fmi2GetString(vr: *const u32, n: usize, _value: *mut *const c_char)
                     = |c| FMU.strings(c, Call::GetString, vr, n);
                 fmi2SetReal(vr: *const u32, n: usize, value: *const f64)

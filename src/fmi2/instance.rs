@@ -8,6 +8,7 @@ use crate::saved::Saved;
 use crate::value::{Value, find, finite, settable};
 use crate::{Call, Error, Failure, Log, Model, State};
 
+mod finite;
 mod plain;
 mod tangent;
 pub use tangent::provides_directional_derivatives;
@@ -308,7 +309,17 @@ impl<M: Model> Instance<M> {
     }
 
     /// No importer shall be handed a NaN that the model did not notice.
+    #[inline(always)]
     fn demand_finite(&mut self) -> Result<(), Error> {
+        if finite::surely(&mut self.now.model) {
+            return Ok(());
+        }
+        self.look_for_no_number()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn look_for_no_number(&mut self) -> Result<(), Error> {
         for row in rows::<M>().filter(|row| row.is_computed()) {
             let Some(field) = f64::field(&row.access) else {
                 continue;

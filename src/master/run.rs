@@ -229,10 +229,7 @@ impl Run {
     }
 
     fn record(&self, recorder: &mut Recorder<'_>, time: f64) -> Result<(), Error> {
-        let finite = self
-            .world
-            .iter()
-            .fold(true, |all, value| all & value.is_finite());
+        let finite = surely_finite(&self.world) || self.world.iter().all(|value| value.is_finite());
         recorder.push(&self.world, self.kept.as_deref(), finite);
         if finite {
             return Ok(());
@@ -277,8 +274,41 @@ impl Recorder<'_> {
     }
 }
 
+/// All values are numbers; false where that takes a look at each: values too large for a sum are no reason.
+fn surely_finite(values: &[f64]) -> bool {
+    let (lanes, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for lane in lanes {
+        sums.iter_mut()
+            .zip(lane)
+            .for_each(|(sum, value)| *sum += value);
+    }
+    (sums.iter().sum::<f64>() + rest.iter().sum::<f64>()).is_finite()
+}
+
 fn moved(now: f64, before: f64) -> bool {
     now != before
         && !(now.is_nan() && before.is_nan())
         && (now - before).abs() > SETTLED * before.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::surely_finite;
+
+    #[test]
+    fn one_value_that_is_no_number_is_seen_wherever_it_stands() {
+        for count in 0..20 {
+            let good = vec![1.0; count];
+            assert!(surely_finite(&good));
+            for place in 0..count {
+                for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut values = good.clone();
+                    values[place] = bad;
+                    assert!(!surely_finite(&values), "{bad} at {place} of {count}");
+                }
+            }
+        }
+        assert!(!surely_finite(&[f64::INFINITY, f64::NEG_INFINITY]));
+    }
 }

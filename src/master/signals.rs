@@ -21,6 +21,8 @@ pub struct Signals {
 struct Narrow {
     references: Vec<u32>,
     values: Vec<i32>,
+    /// The FMU has been given values.
+    given: bool,
 }
 
 impl Narrow {
@@ -29,9 +31,16 @@ impl Narrow {
         self.values.push(0);
     }
 
-    fn narrow(&mut self, numbers: &[f64]) {
-        let places = self.values.iter_mut().zip(numbers);
-        places.for_each(|(value, number)| *value = integer(*number));
+    /// Takes numbers that the FMU is to have; false if it has them: variables keep what they are set to.
+    fn narrow(&mut self, numbers: &[f64]) -> bool {
+        let mut new = !self.given;
+        for (value, number) in self.values.iter_mut().zip(numbers) {
+            let now = integer(*number);
+            new |= now != *value;
+            *value = now;
+        }
+        self.given = true;
+        new
     }
 
     fn widen(&self, numbers: &mut [f64]) {
@@ -70,13 +79,11 @@ impl Signals {
             return Ok(());
         }
         let (integers, booleans) = narrow.split_at(self.integers.values.len().min(narrow.len()));
-        if !integers.is_empty() {
-            self.integers.narrow(integers);
+        if !integers.is_empty() && self.integers.narrow(integers) {
             let done = instance.set_integer(&self.integers.references, &self.integers.values);
             done.map_err(|status| ("fmi2SetInteger", status))?;
         }
-        if !booleans.is_empty() {
-            self.booleans.narrow(booleans);
+        if !booleans.is_empty() && self.booleans.narrow(booleans) {
             let done = instance.set_boolean(&self.booleans.references, &self.booleans.values);
             done.map_err(|status| ("fmi2SetBoolean", status))?;
         }
@@ -116,7 +123,16 @@ fn integer(value: f64) -> i32 {
 
 #[cfg(test)]
 mod tests {
-    use super::integer;
+    use super::{Narrow, integer};
+
+    #[test]
+    fn what_an_fmu_has_it_is_not_given_again() {
+        let mut gear = Narrow::default();
+        gear.push(7);
+        let given = [0.0, 0.0, 2.0, 2.0, 2.4, 0.0].map(|number| gear.narrow(&[number]));
+        assert_eq!(given, [true, false, true, false, false, true]);
+        assert_eq!(gear.values, [0]);
+    }
 
     #[test]
     fn integers_are_exact_and_saturate_beyond_their_range() {

@@ -105,8 +105,12 @@ impl Load {
         match lock.alone(p, sample) {
             Some(engaged) => {
                 let g = p.g(sample.gear);
-                self.follow_gears(p.j_out(g), output_speed(p, method, sample, engaged));
-                let momentum = momentum(p, method, sample, engaged);
+                let omega_o = output_speed(g, method, sample, engaged);
+                self.follow_gears(p.j_out(g), omega_o);
+                let momentum = match method {
+                    LoadMethod::Engine => p.j_v_eq(g, engaged) * sample.omega_w,
+                    _ => momentum(p, g, sample, engaged, omega_o),
+                };
                 let torque = g[engaged] * sample.t_e + sample.t_y - brake;
                 self.filter(momentum, torque, h);
             }
@@ -144,21 +148,16 @@ impl Load {
     }
 }
 
-/// E of (20) [N·m·s].
-fn momentum(p: &Params, method: LoadMethod, sample: &Sample, engaged: usize) -> f64 {
-    let g = p.g(sample.gear);
-    if method == LoadMethod::Engine {
-        return p.j_v_eq(g, engaged) * sample.omega_w;
-    }
-    let omega_o = output_speed(p, method, sample, engaged);
+/// E of (20) with the momentum of every inertia [N·m·s].
+fn momentum(p: &Params, g: [f64; 2], sample: &Sample, engaged: usize, omega_o: f64) -> f64 {
     g[engaged] * p.j_ed() * sample.omega_e + p.j_out(g) * omega_o + p.j_v * sample.omega_w
 }
 
 /// Speed that J_out turns with in E [rad/s].
-fn output_speed(p: &Params, method: LoadMethod, sample: &Sample, engaged: usize) -> f64 {
+fn output_speed(g: [f64; 2], method: LoadMethod, sample: &Sample, engaged: usize) -> f64 {
     if method == LoadMethod::Engine {
         sample.omega_w
     } else {
-        sample.omega_c[engaged] / p.g(sample.gear)[engaged]
+        sample.omega_c[engaged] / g[engaged]
     }
 }

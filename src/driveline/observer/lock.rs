@@ -60,10 +60,11 @@ impl Lock {
 
     /// Takes a sample `h` [s] after the last one; `t_c`: estimated torques of the clutches [N·m], shape (2).
     pub fn step(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
-        for i in [0, 1] {
-            self.swing[i] = self.swing[i].max(kick(p, sample, i));
+        let g = p.g(sample.gear);
+        if sample.t_y != 0.0 {
+            self.swing = [0, 1].map(|i| self.swing[i].max(kick(p, g, sample.t_y, i)));
         }
-        let (g, slips) = (p.g(sample.gear), self.slips(sample));
+        let slips = self.slips(sample);
         for (i, slip) in sample.slip().into_iter().enumerate() {
             if slips[i] {
                 (self.direction[i], self.freed[i]) = (slip.signum(), false);
@@ -76,7 +77,11 @@ impl Lock {
                 (self.met[i], self.freed[i]) = (self.met[i] || meets, false);
             } else {
                 (self.since[i], self.met[i]) = (0.0, false);
-                self.swing[i] = t_c[i].abs() / ComplexField::sqrt(p.k_d * p.j_e);
+                self.swing[i] = if t_c[i] == 0.0 {
+                    0.0 // of open clutches: there is no root to draw
+                } else {
+                    t_c[i].abs() / ComplexField::sqrt(p.k_d * p.j_e)
+                };
             }
         }
     }
@@ -127,10 +132,9 @@ impl Lock {
 }
 
 /// Swing of the damper behind clutch `i` that synchronisers bring about [rad/s].
-fn kick(p: &Params, sample: &Sample, i: usize) -> f64 {
-    let g = p.g(sample.gear);
+fn kick(p: &Params, g: [f64; 2], t_y: f64, i: usize) -> f64 {
     let stiffness = g[i] * g[i] * p.k_d + p.k_o;
-    g[i].abs() * sample.t_y.abs() / ComplexField::sqrt(p.j_out(g) * stiffness)
+    g[i].abs() * t_y.abs() / ComplexField::sqrt(p.j_out(g) * stiffness)
 }
 
 #[cfg(test)]

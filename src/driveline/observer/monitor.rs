@@ -185,10 +185,8 @@ impl Monitor {
         };
         // A brake holds the wheel at exactly 0 while the shafts before it wind up.
         let held = sample.omega_w == 0.0 && sample.t_brake > 0.0;
-        (0..SPEEDS - usize::from(held)).any(|j| {
-            let moves = if j == 0 { engine() } else { partners(j) };
-            self.still[j] >= PATIENCE && moves
-        })
+        let moves = |j| if j == 0 { engine() } else { partners(j) };
+        (0..SPEEDS - usize::from(held)).any(|j| self.still[j] >= PATIENCE && moves(j))
     }
 }
 

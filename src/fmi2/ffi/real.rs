@@ -57,8 +57,8 @@ const fn some_on_demand<M: Model>() -> bool {
     row < M::VARIABLES.len()
 }
 
-/// Reads Reals if all references are Reals that have a place, and none waits to be computed; else it does nothing
-/// and returns false.
+/// Reads Reals if all references are Reals that have a place, and none waits to be computed by a model that has to
+/// be watched at that; else it hands out nothing and returns false.
 #[inline(always)]
 pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &mut [f64]) -> bool {
     let mut words = 0;
@@ -68,14 +68,20 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
         }
         words |= real(saved, reference).word;
     }
-    let late = const { some_on_demand::<M>() } && saved.late;
-    let plain = words & (ELSEWHERE | (u64::from(late) * ON_DEMAND)) == 0;
+    let waits = const { some_on_demand::<M>() } && saved.late && words & ON_DEMAND != 0;
+    let plain = words & ELSEWHERE == 0 && (!waits || computed(saved));
     if plain {
         for (&reference, value) in references.iter().zip(values).rev() {
             *value = *field(saved, reference);
         }
     }
     plain
+}
+
+/// Computes what waits for it; false where the model has to be watched at that.
+#[inline(never)]
+fn computed<M: Model>(saved: &mut Saved<M>) -> bool {
+    M::STEPS_STAY_FINITE && saved.catch_up()
 }
 
 /// Writes values, [`most`] at most, if it is plain that these Reals may be set to them at a communication

@@ -46,12 +46,12 @@ impl<M: Model> Library<M> {
     }
 
     #[inline(always)]
-    unsafe fn get_plainly<'a>(
+    unsafe fn get_plainly<'a, A>(
         enter: impl FnOnce() -> Option<Entered<'a, Component<M>>>,
-        get: impl FnOnce(&mut Instance<M>, &[u32], &mut [f64]) -> bool,
+        get: impl FnOnce(&mut Instance<M>, &[u32], &mut [A]) -> bool,
         references: *const u32,
         count: usize,
-        values: *mut f64,
+        values: *mut A,
     ) -> bool {
         Self::plainly(enter(), |instance| {
             if count.wrapping_sub(1) >= M::VARIABLES.len() || !usable(references, values) {
@@ -103,7 +103,7 @@ impl<M: Model> Library<M> {
     ) -> Status {
         let enter = || library.instances.enter(component.addr());
         // SAFETY: the importer's promise.
-        if unsafe { Self::get_plainly(enter, Instance::get_on_demand, references, count, values) } {
+        if unsafe { Self::get_plainly(enter, Instance::get_plainly, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.
@@ -130,9 +130,27 @@ impl<M: Model> Library<M> {
         unsafe { library.set::<f64, f64>(component, references, count, values, |value| value) }
     }
 
-    /// `fmi2GetReal`, `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`.
+    /// `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`: what is plain at once.
+    pub unsafe fn get_others<T: Value, A: From<T>>(
+        &self,
+        component: *mut c_void,
+        references: *const u32,
+        count: usize,
+        values: *mut A,
+    ) -> Status {
+        let enter = || self.instances.enter_first(component.addr());
+        let get = Instance::get_others_plainly::<T, A>;
+        // SAFETY: the importer's promise.
+        if unsafe { Self::get_plainly(enter, get, references, count, values) } {
+            return Status::Ok;
+        }
+        // SAFETY: the importer's promise.
+        unsafe { self.get::<T, A>(component, references, count, values) }
+    }
+
+    /// [`Self::get_reals`] and [`Self::get_others`] with a second look.
     #[inline(never)]
-    pub unsafe fn get<T: Value, A: From<T>>(
+    unsafe fn get<T: Value, A: From<T>>(
         &self,
         component: *mut c_void,
         references: *const u32,

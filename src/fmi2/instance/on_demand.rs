@@ -9,12 +9,14 @@ struct Counter {
     gain: f64,
     count: f64,
     square: f64,
+    large: bool,
     updates: i32,
 }
 
 const GAIN: u32 = 0;
 const COUNT: u32 = 1;
 const SQUARE: u32 = 2;
+const LARGE: u32 = 3;
 
 impl Model for Counter {
     const NAME: &'static str = "Counter";
@@ -29,6 +31,7 @@ impl Model for Counter {
         Variable::input("gain", Unit::ONE, |m: &mut Self| &mut m.gain, ""),
         Variable::output("count", Unit::ONE, |m: &mut Self| &mut m.count, "").depends_on(&[]),
         Variable::output("square", Unit::ONE, |m: &mut Self| &mut m.square, "").on_demand(),
+        Variable::boolean_output("large", |m: &mut Self| &mut m.large, "").on_demand(),
     ];
 
     fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
@@ -43,6 +46,7 @@ impl Model for Counter {
 
     fn update_outputs(&mut self) {
         self.square = self.gain * self.count * self.count;
+        self.large = self.square > 10.0;
         self.updates += 1;
     }
 
@@ -71,7 +75,7 @@ fn read(counter: &mut Instance<Counter>, reference: u32) -> f64 {
 
 fn read_plainly(counter: &mut Instance<Counter>, reference: u32) -> Option<f64> {
     let mut value = [f64::NAN];
-    let plain = counter.get_on_demand(&[reference], &mut value);
+    let plain = counter.get_plainly(&[reference], &mut value);
     plain.then_some(value[0])
 }
 
@@ -87,6 +91,25 @@ fn it_is_computed_once_when_it_is_read() {
         assert_eq!(read(&mut counter, SQUARE), 12.0);
     }
     assert_eq!(counter.now.model.updates, before + 1);
+}
+
+fn read_flag(counter: &mut Instance<Counter>, reference: u32) -> Option<bool> {
+    let mut value = [false];
+    let plain = counter.get_others_plainly(&[reference], &mut value);
+    plain.then_some(value[0])
+}
+
+#[test]
+fn a_flag_is_handed_out_when_it_is_computed_and_is_one() {
+    let mut counter = counted();
+    assert_eq!(read_flag(&mut counter, LARGE), None);
+    assert_eq!(read_plainly(&mut counter, SQUARE), Some(12.0));
+    assert_eq!(read_flag(&mut counter, LARGE), Some(true));
+    for other in [SQUARE, LARGE + 1] {
+        assert_eq!(read_flag(&mut counter, other), None);
+    }
+    counter.set(&[GAIN], [1.0].into_iter()).unwrap();
+    assert_eq!(read_flag(&mut counter, LARGE), None);
 }
 
 #[test]

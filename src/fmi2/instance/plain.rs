@@ -2,6 +2,8 @@
 
 use super::{Instance, TIME_TOLERANCE};
 use crate::ffi::real;
+use crate::saved::Saved;
+use crate::value::{Value, find};
 use crate::{Error, Log, Model, State};
 
 impl<M: Model> Instance<M> {
@@ -23,13 +25,29 @@ impl<M: Model> Instance<M> {
         !self.now.stale && real::get(&mut self.now, references, values)
     }
 
-    /// The same, also where a step left outputs to be computed.
-    pub(crate) fn get_on_demand(&mut self, references: &[u32], values: &mut [f64]) -> bool {
-        if self.get_plainly(references, values) {
-            return true;
+    /// [`Self::get`] of another type where that needs no second look; else it does nothing and returns false.
+    #[inline(always)]
+    pub(crate) fn get_others_plainly<T: Value, A: From<T>>(
+        &mut self,
+        references: &[u32],
+        values: &mut [A],
+    ) -> bool {
+        let Saved {
+            model, late, stale, ..
+        } = &mut self.now;
+        let plain = |reference: &u32| {
+            let found = find::<M, T>(*reference);
+            found.is_ok_and(|(row, _)| !(*late && row.on_demand))
+        };
+        if *stale || !references.iter().all(plain) {
+            return false;
         }
-        let computed = M::STEPS_STAY_FINITE && !self.now.stale && self.now.catch_up();
-        computed && self.get_plainly(references, values)
+        for (reference, value) in references.iter().zip(values) {
+            if let Ok((_, field)) = find::<M, T>(*reference) {
+                *value = (*field(model)).into();
+            }
+        }
+        true
     }
 
     /// [`Self::set`] of Reals where that needs no second look; else it does nothing and returns false.

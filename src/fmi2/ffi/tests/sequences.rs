@@ -300,8 +300,10 @@ impl Rig {
         let got = unsafe {
             match kind {
                 Kind::Real => PROBE.get_reals(self.c, r, count, reals.as_mut_ptr()),
-                Kind::Integer => PROBE.get::<i32, c_int>(self.c, r, count, whole.as_mut_ptr()),
-                _ => PROBE.get::<bool, c_int>(self.c, r, count, whole.as_mut_ptr()),
+                Kind::Integer => {
+                    PROBE.get_others::<i32, c_int>(self.c, r, count, whole.as_mut_ptr())
+                }
+                _ => PROBE.get_others::<bool, c_int>(self.c, r, count, whole.as_mut_ptr()),
             }
         };
         if broken {
