@@ -25,7 +25,7 @@ def _status(key: str) -> int:
 
 
 def _call(work: dict[str, Any], plans: list[str], times: np.ndarray, script: np.ndarray) -> None:
-    for _, rows, error in cosim_native.run(plans, times, script, work["threads"]):
+    for _, rows, error, _ in cosim_native.run(plans, times, script, work["threads"]):
         if error or len(rows) != len(times):
             raise SystemExit(f"{len(rows)} rows: {error}")
 

@@ -154,7 +154,7 @@ class Loops:
             spent = _cpu(lambda: rows.extend(loop.steps(times)))
         finally:
             loop.close()
-        ((_, ours, error),) = self.module.run(
+        ((_, ours, error, _),) = self.module.run(
             [run.plan], run.times, np.ascontiguousarray(run.script), 1
         )
         if error or not np.array_equal(ours, rows):
@@ -189,7 +189,7 @@ class Loops:
 
     def _ended(self, names: tuple[str, ...]) -> np.ndarray:
         plan = json.dumps({**json.loads(self._planned.plan), "record": names})
-        ((_, rows, error),) = self.module.run([plan], self._planned.times, self._held_script, 1)
+        ((_, rows, error, _),) = self.module.run([plan], self._planned.times, self._held_script, 1)
         if error:
             raise SystemExit(f"compiled master: {error}")
         return rows[-1]
@@ -240,7 +240,7 @@ class Loops:
         return float(np.median(spent)) / NOTHING
 
     def _whole(self, plan: str, times: np.ndarray, script: np.ndarray) -> None:
-        ((_, rows, error),) = self.module.run([plan], times, script, 1)
+        ((_, rows, error, _),) = self.module.run([plan], times, script, 1)
         if error or len(rows) != len(times):
             raise SystemExit(f"two empty FMUs: {error}")
 

@@ -44,12 +44,13 @@ def loop(folder: Path, library: Path, gains: tuple[float, float]) -> Path:
     return folder / "s.toml"
 
 
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
 @pytest.mark.parametrize("gains", [(0.5, 0.25), (0.5, -3.0), (-2.0, 4.0)])
 def test_an_algebraic_loop_starts_at_its_solution(
-    tmp_path: Path, lag_library: Path, gains: tuple[float, float]
+    tmp_path: Path, lag_library: Path, gains: tuple[float, float], engine: str
 ) -> None:
     """Also where passing the values around would run away: |product of the gains| > 1."""
-    done = run(loop(tmp_path, lag_library, gains), tmp_path)
+    done = run(loop(tmp_path, lag_library, gains), tmp_path, "--engine", engine)
     assert done.returncode == 0, done.stderr
     found = results.load(tmp_path / "out")
     a, b = gains

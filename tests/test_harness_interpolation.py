@@ -45,13 +45,25 @@ def test_a_ramp_is_followed_exactly_whatever_the_step(
     assert np.abs(found["plant.x"] - ramp(found.time)).max() < 1e-12
 
 
-def test_substeps_go_along_the_slope(tmp_path: Path, lag_library: Path) -> None:
-    write_fmu(tmp_path / "Lag.fmu", lag_library, can=CAN)
+@pytest.mark.parametrize("option", ["plant.tau=1.0", "plant.reach=0.014", "plant.most=0.02"])
+def test_substeps_go_along_the_slope(tmp_path: Path, lag_library: Path, option: str) -> None:
+    """Also when the FMU discards them and they are divided."""
+    write_fmu(tmp_path / "Lag.fmu", lag_library, (*LAG, *MORE), can=CAN)
     system = write_system(tmp_path, scenario=RAMP)
     system.write_text(system.read_text() + "substeps = 4\n")
-    assert run(system, tmp_path, *LONG).returncode == 0
+    assert run(system, tmp_path, *LONG, "--set", option).returncode == 0
     found = results.load(tmp_path / "out")
     assert np.abs(found["plant.x"] - ramp(found.time)).max() < 1e-12
+
+
+def test_integers_hold_within_a_step(tmp_path: Path, lag_library: Path) -> None:
+    """The scenario's n falls from 2 to 1 at the end of the step: no substep before sees it."""
+    n, m = variable("n", 0, "input", "0", "Integer"), variable("m", 1, "output", kind="Integer")
+    write_fmu(tmp_path / "Lag.fmu", lag_library, (*LAG, n, m), can=CAN)
+    system = write_system(tmp_path, scenario="time,u,n\n0,0,2\n0.1,0,1\n")
+    system.write_text(system.read_text() + "substeps = 4\n")
+    assert run(system, tmp_path, *LONG, "--stop", "0.3").returncode == 0
+    assert results.load(tmp_path / "out")["plant.m"].tolist() == [0, 4, 2, 2]  # m = 2 n
 
 
 @pytest.mark.parametrize(("can", "options"), [(VARIES, LONG), (CAN, LONG[:2])])

@@ -79,15 +79,6 @@ def test_rows_before_a_failure_are_kept(
     assert kept.run["status"] == "partial"
 
 
-def test_what_the_native_engine_cannot_do_is_told(tmp_path: Path, lag_dir: Path) -> None:
-    system = write_system(tmp_path)
-    text = system.read_text()
-    system.write_text(text.replace("[system]", "[system]\ninterpolate = true"))
-    done = run(system, lag_dir, *NATIVE)
-    assert done.returncode == 2
-    assert "has no input derivatives; run it with --engine fmpy" in done.stderr
-
-
 def test_a_missing_module_is_told_with_its_remedy(tmp_path: Path, lag_dir: Path) -> None:
     system = write_system(tmp_path)
     script = (

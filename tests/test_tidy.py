@@ -31,6 +31,8 @@ UNSAFE = {
     "tests/fuzz/importer.rs": "random calls at that boundary, with the models of this project",
     "tests/fuzz/importer/saved.rs": "random calls with FMU states at that boundary",
     "tests/fuzz/packages.rs": "tells the checker where to unpack",
+    "src/master/raw/lib.rs": "the master's calls of FMUs, on the raw binding of the `fmi` crate",
+    "src/master/raw/log.rs": "what FMUs say to the master, from C",
     "fmu-build/check/native.rs": "loads FMUs of any origin through their C interface",
     "fmu-build/check/native/abilities.rs": "what of that interface an FMU need not have",
 }

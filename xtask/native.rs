@@ -16,6 +16,7 @@ pub fn checks(project: &Project, clippy: Command) -> Step {
     Step::new("closed loop through the fmi crate: src/master", move || {
         let mut test = project.cargo(&["test", "--release"]);
         test.args(["--manifest-path", MASTER]);
+        test.args(["-p", "cosim-master", "-p", "cosim-raw"]);
         with_bindgen(&project, [clippy, test])
     })
 }

@@ -49,6 +49,40 @@ pub struct Variable {
     pub items: Vec<(String, i32)>,
     /// Its unit, when the FMU defines one.
     pub unit: Option<Unit>,
+    /// Whether it is a Real that changes continuously.
+    pub continuous: bool,
+}
+
+impl Variable {
+    /// Whether it is an input that may have a derivative; a tunable parameter may not.
+    pub fn follows(&self) -> bool {
+        self.continuous && self.causality == Causality::Input
+    }
+}
+
+/// What the FMU says that it can do.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Abilities {
+    /// canHandleVariableCommunicationStepSize.
+    pub varies_step: bool,
+    /// canInterpolateInputs.
+    pub interpolates: bool,
+    /// maxOutputDerivativeOrder is above 0.
+    pub tells_slopes: bool,
+}
+
+impl Abilities {
+    fn read(root: Node<'_, '_>) -> Self {
+        let node = root.children().find(|n| n.has_tag_name("CoSimulation"));
+        let stated = |name| node.and_then(|node| node.attribute(name));
+        let can = |name| matches!(stated(name), Some("true" | "1"));
+        let order = stated("maxOutputDerivativeOrder").and_then(|order| order.parse::<u32>().ok());
+        Self {
+            varies_step: can("canHandleVariableCommunicationStepSize"),
+            interpolates: can("canInterpolateInputs"),
+            tells_slopes: order.is_some_and(|order| order > 0),
+        }
+    }
 }
 
 /// The variables and units of an FMU.
@@ -58,6 +92,8 @@ pub struct Description {
     pub variables: Vec<Variable>,
     /// Units with a BaseUnit, by name.
     pub units: HashMap<String, Unit>,
+    /// What it can do.
+    pub abilities: Abilities,
 }
 
 impl Description {
@@ -77,6 +113,7 @@ impl Description {
         Ok(Self {
             variables: variables.collect::<Result<_, _>>()?,
             units: known.units,
+            abilities: Abilities::read(root),
         })
     }
 
@@ -133,6 +170,7 @@ impl Known<'_> {
             causality: causality(node),
             items: declared.map(items).unwrap_or_default(),
             unit: element.and_then(|element| self.unit(element, declared)),
+            continuous: family == Family::Real && goes_on(node),
         }))
     }
 
@@ -144,6 +182,10 @@ impl Known<'_> {
         let relative = matches!(stated("relativeQuantity"), Some("true" | "1"));
         Some(if relative { unit.difference() } else { unit })
     }
+}
+
+fn goes_on(node: Node<'_, '_>) -> bool {
+    matches!(node.attribute("variability"), None | Some("continuous"))
 }
 
 fn items(kind: Node<'_, '_>) -> Vec<(String, i32)> {

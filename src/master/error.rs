@@ -1,6 +1,5 @@
 //! Everything that can go wrong, as sentences that name the component, file or variable.
 
-use fmi::fmi2::Fmi2Error;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -56,9 +55,11 @@ pub enum Error {
         function: &'static str,
         /// Communication point [s].
         time: f64,
-        /// The status it returned.
-        status: Fmi2Error,
+        /// What it returned, and the last messages of the FMU.
+        what: String,
     },
+    /// A value has no code in a mapping.
+    Coding(String),
     /// A signal left the finite numbers, or has no row in a table.
     Value {
         /// `component.variable`.
@@ -75,7 +76,10 @@ pub enum Error {
 impl Error {
     /// Whether the FMUs ran and one of them failed, rather than the question being wrong.
     pub fn is_at_run_time(&self) -> bool {
-        matches!(self, Self::Call { .. } | Self::Value { .. })
+        matches!(
+            self,
+            Self::Call { .. } | Self::Coding(_) | Self::Value { .. }
+        )
     }
 
     /// Whether a file is no usable FMU.
@@ -94,7 +98,7 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(what) => write!(f, "{what}"),
+            Self::Usage(what) | Self::Coding(what) => write!(f, "{what}"),
             Self::File { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Content {
                 path,
@@ -118,20 +122,59 @@ impl fmt::Display for Error {
                 component,
                 function,
                 time,
-                status,
-            } => write!(
-                f,
-                "{component}: {function} at t = {time} s returned {status}; \
-                 `dct-harness run` tells what the FMU says of it"
-            ),
+                what,
+            } => {
+                let time = Seconds(*time);
+                write!(f, "{component}: {function} at t = {time} s {what}")
+            }
             Self::Value {
                 name,
                 value,
                 time,
                 what,
-            } => write!(f, "{name} is {value} at t = {time} s: {what}"),
+            } => {
+                let time = Seconds(*time);
+                write!(f, "{name} is {value} at t = {time} s: {what}")
+            }
         }
     }
 }
 
 impl std::error::Error for Error {}
+
+/// A time [s] as `dct-harness` writes it, so that both tell of a failure in the same words.
+#[derive(Debug, Clone, Copy)]
+pub struct Seconds(pub f64);
+
+impl fmt::Display for Seconds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{:?}", self.0);
+        let Some((digits, exponent)) = text.split_once('e') else {
+            return f.write_str(&text);
+        };
+        match exponent.strip_prefix('-') {
+            Some(exponent) => write!(f, "{digits}e-{exponent:0>2}"),
+            None => write!(f, "{digits}e+{exponent:0>2}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_written_as_python_does() {
+        for (time, text) in [
+            (0.0, "0.0"),
+            (0.491, "0.491"),
+            (30.0, "30.0"),
+            (1e-4, "0.0001"),
+            (1.5e-5, "1.5e-05"),
+            (2e-110, "2e-110"),
+            (1e16, "1e+16"),
+        ] {
+            assert_eq!(Seconds(time).to_string(), text);
+        }
+    }
+}

@@ -1,72 +1,35 @@
-//! One FMU of the loop: the unpacked file, and an instance with the inputs and outputs in use.
+//! One FMU of the loop: an instance with the inputs and outputs in use.
 
-use crate::description::{Causality, Description, Family, Variable};
-use crate::error::Error;
-use crate::package;
+use crate::derivatives::Derivatives;
+use crate::description::{Causality, Description, Variable};
+use crate::discard;
+use crate::error::{Error, Seconds};
+use crate::library::Library;
 use crate::plan::Value;
 use crate::signals::{Failure, Signals};
-use fmi::fmi2::Fmi2Error;
-use fmi::fmi2::import::Fmi2Import;
-use fmi::fmi2::instance::{CoSimulation, Common, InstanceCS};
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use crate::start::number;
+use cosim_raw::{Instance, Log, Status};
 use std::sync::Arc;
 
-/// An unpacked FMU; any number of instances may be made of it, also by several threads.
-pub struct Library {
-    import: Fmi2Import,
-    description: Description,
-    path: PathBuf,
-}
-
-impl Library {
-    /// Unpacks and reads an FMU file.
-    pub fn open(path: &Path) -> Result<Self, Error> {
-        let (import, xml) = package::open(path)?;
-        let description = Description::parse(&xml).map_err(|what| Error::Content {
-            path: path.to_owned(),
-            line: 0,
-            what: format!("modelDescription.xml: {what}"),
-        })?;
-        Ok(Self {
-            import,
-            description,
-            path: path.to_owned(),
-        })
-    }
-
-    /// What it says of its variables.
-    pub fn description(&self) -> &Description {
-        &self.description
-    }
-}
-
-/// FMU files that are open, each once however many components and runs use it.
-#[derive(Default, Clone)]
-pub struct Libraries(HashMap<PathBuf, Arc<Library>>);
-
-impl Libraries {
-    /// The library of a file, opened when it is not yet.
-    pub fn open(&mut self, path: &Path) -> Result<Arc<Library>, Error> {
-        if let Some(known) = self.0.get(path) {
-            return Ok(known.clone());
-        }
-        let library = Arc::new(Library::open(path)?);
-        self.0.insert(path.to_owned(), library.clone());
-        Ok(library)
-    }
-}
+/// So many of its last messages stand under the error of an FMU.
+const LAST_MESSAGES: usize = 5;
 
 /// An instance.
 pub struct Fmu {
     name: String,
     /// Dropped before `library`, which owns the unpacked files.
-    instance: InstanceCS,
+    instance: Instance,
     library: Arc<Library>,
+    log: Arc<Log>,
     inputs: Signals,
     outputs: Signals,
+    /// Inputs that have slopes, when there is interpolation.
+    steered: Derivatives,
+    /// Outputs whose slopes others want.
+    told: Derivatives,
     time: f64,
     running: bool,
+    divided: bool,
 }
 
 impl Fmu {
@@ -77,13 +40,14 @@ impl Fmu {
         inputs: &[&Variable],
         outputs: &[&Variable],
     ) -> Result<Self, Error> {
-        let instance = library.import.instantiate_cs(name, false, false);
+        let log = Arc::new(Log::default());
+        let instance = Instance::new(&library.import, name, log.clone());
         let instance = instance.map_err(|error| match error {
             fmi::Error::Instantiation => Error::Call {
                 component: name.to_owned(),
                 function: "fmi2Instantiate",
                 time: 0.0,
-                status: Fmi2Error::Error,
+                what: format!("made no instance{}", said(&log)),
             },
             error => Error::Load {
                 path: library.path.clone(),
@@ -96,14 +60,28 @@ impl Fmu {
             name: name.to_owned(),
             instance,
             library,
+            log,
+            steered: Derivatives::default(),
+            told: Derivatives::default(),
             time: 0.0,
             running: false,
+            divided: false,
         })
     }
 
-    /// How many outputs it reads.
-    pub fn outputs(&self) -> usize {
-        self.outputs.len()
+    /// Lets steps set the derivatives of inputs, which are those of `new`.
+    pub fn steer(&mut self, inputs: &[&Variable]) {
+        self.steered = Derivatives::new(inputs, Variable::follows);
+    }
+
+    /// Lets `get_slopes` ask for the derivatives of outputs, which are those of `new`.
+    pub fn tell(&mut self, outputs: &[&Variable]) {
+        self.told = Derivatives::new(outputs, |variable| variable.continuous);
+    }
+
+    /// Its messages; may be read after it is gone.
+    pub fn log(&self) -> (String, Arc<Log>) {
+        (self.name.clone(), self.log.clone())
     }
 
     /// Sets parameters and start values and enters initialisation mode; `stop` in [s].
@@ -111,15 +89,15 @@ impl Fmu {
         values
             .iter()
             .try_for_each(|(name, value)| self.set_start(name, value))?;
-        let done = self.instance.setup_experiment(None, 0.0, Some(stop));
+        let done = self.instance.setup_experiment(stop);
         self.checked("fmi2SetupExperiment", done)?;
-        let done = Common::enter_initialization_mode(&mut self.instance);
+        let done = self.instance.enter_initialization_mode();
         self.checked("fmi2EnterInitializationMode", done)
     }
 
     fn set_start(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let full = format!("{}.{name}", self.name);
-        let variable = self.library.description.find(name);
+        let variable = self.library.description().find(name);
         let variable = variable.ok_or_else(|| Error::variable(&full, "does not exist"))?;
         let number = number(variable, value).map_err(|what| Error::variable(&full, what))?;
         let mut one = Signals::new([variable]);
@@ -129,7 +107,7 @@ impl Fmu {
 
     /// Leaves initialisation mode.
     pub fn start(&mut self) -> Result<(), Error> {
-        let done = Common::exit_initialization_mode(&mut self.instance);
+        let done = self.instance.exit_initialization_mode();
         self.checked("fmi2ExitInitializationMode", done)?;
         self.running = true;
         Ok(())
@@ -147,31 +125,91 @@ impl Fmu {
         done.map_err(|failure| self.failed(failure))
     }
 
-    /// Sets the inputs in use and advances from `time` by `step` [s].
-    pub fn step(&mut self, inputs: &[f64], time: f64, step: f64) -> Result<(), Error> {
-        self.time = time;
-        self.set_inputs(inputs)?;
-        let done = self.instance.do_step(time, step, true);
-        self.checked("fmi2DoStep", done)
+    /// Reads the time derivatives of the outputs in use; 0 of those that have none.
+    pub fn get_slopes(&mut self, slopes: &mut [f64]) -> Result<(), Error> {
+        let done = self.told.get(&mut self.instance, slopes);
+        done.map_err(|failure| self.failed(failure))
     }
 
-    fn checked<T>(
+    /// Sets the inputs in use and advances from `time` by `step` [s]; a step that it discards is
+    /// divided. `slopes` are none, or one for each input.
+    pub fn step(
         &mut self,
-        function: &'static str,
-        done: Result<T, Fmi2Error>,
+        inputs: &mut [f64],
+        slopes: &[f64],
+        time: f64,
+        step: f64,
     ) -> Result<(), Error> {
-        done.map(|_| ())
-            .map_err(|status| self.failed((function, status)))
+        self.time = time;
+        self.log.at(time);
+        if self.attempt(inputs, slopes, time, step)? {
+            return Ok(());
+        }
+        discard::finish(self, inputs, slopes, (time, step))
+    }
+
+    /// Tries a step; false when the FMU discards it.
+    pub fn attempt(
+        &mut self,
+        inputs: &[f64],
+        slopes: &[f64],
+        time: f64,
+        step: f64,
+    ) -> Result<bool, Error> {
+        self.set_inputs(inputs)?;
+        if !slopes.is_empty() {
+            let done = self.steered.set(&mut self.instance, slopes);
+            done.map_err(|failure| self.failed(failure))?;
+        }
+        match self.instance.do_step(time, step) {
+            Ok(()) => Ok(true),
+            Err(Status::Discard) => Ok(false),
+            Err(status) => Err(self.failed(("fmi2DoStep", status))),
+        }
+    }
+
+    /// Where it is after a discarded step [s]; none when it does not tell.
+    pub fn reached(&mut self) -> Option<f64> {
+        self.instance.last_successful_time()
+    }
+
+    /// Whether its steps may differ in length.
+    pub fn varies_step(&self) -> bool {
+        self.library.description().abilities.varies_step
+    }
+
+    /// Tells in the log, once, that steps had to be divided.
+    pub fn note_discard(&mut self, time: f64) {
+        if !self.divided {
+            let time = Seconds(time);
+            let call = format!("fmi2DoStep at t = {time} s returned fmi2Discard");
+            self.log.warn(format!("{call}; this step was divided"));
+        }
+        self.divided = true;
+    }
+
+    /// The error of a discarded step.
+    pub fn give_up(&mut self, why: &str) -> Error {
+        self.error("fmi2DoStep", &format!("returned fmi2Discard: {why}"))
+    }
+
+    fn checked(&mut self, function: &'static str, done: cosim_raw::Called) -> Result<(), Error> {
+        done.map_err(|status| self.failed((function, status)))
+    }
+
+    fn failed(&mut self, (function, status): Failure) -> Error {
+        self.error(function, &format!("returned {status}"))
     }
 
     /// After a failure the instance may only be freed.
-    fn failed(&mut self, (function, status): Failure) -> Error {
+    #[cold]
+    fn error(&mut self, function: &'static str, what: &str) -> Error {
         self.running = false;
         Error::Call {
             component: self.name.clone(),
             function,
             time: self.time,
-            status,
+            what: format!("{what}{}", said(&self.log)),
         }
     }
 }
@@ -180,74 +218,20 @@ impl Drop for Fmu {
     fn drop(&mut self) {
         if self.running {
             // Nothing can be done about a failure here; the instance is freed next.
-            let _ = Common::terminate(&mut self.instance);
+            let _ = self.instance.terminate();
         }
     }
+}
+
+/// The last messages of an FMU, a line each.
+fn said(log: &Log) -> String {
+    let messages = log.messages();
+    let last = messages.iter().rev().take(LAST_MESSAGES).rev();
+    last.map(|message| format!("\n  {}: {}", message.category, message.text))
+        .collect()
 }
 
 /// The outputs of an FMU in the order in which they are read and recorded.
 pub fn outputs(description: &Description) -> Vec<&Variable> {
     description.chosen(|variable| variable.causality == Causality::Output)
-}
-
-/// A start value as the number that travels; the error says what is wrong with it.
-fn number(variable: &Variable, value: &Value) -> Result<f64, String> {
-    match (variable.family, value) {
-        (Family::Boolean, Value::Boolean(value)) => Ok(f64::from(u8::from(*value))),
-        (Family::Real, Value::Number(value)) => Ok(*value),
-        (Family::Integer, Value::Number(value)) if value.fract() == 0.0 => Ok(*value),
-        (Family::Integer, Value::Text(item)) => {
-            let known = variable.items.iter().find(|(name, _)| name == item);
-            let names: Vec<&str> = variable
-                .items
-                .iter()
-                .map(|(name, _)| name.as_str())
-                .collect();
-            let number = known.map(|(_, number)| f64::from(*number));
-            number.ok_or_else(|| format!("has no item '{item}' ({})", names.join(", ")))
-        }
-        (family, value) => Err(format!("is {family:?}, got {value:?}")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn variable(family: Family) -> Variable {
-        Variable {
-            name: "x".into(),
-            reference: 0,
-            family,
-            causality: Causality::Other,
-            items: vec![("open".into(), 1), ("shut".into(), 2)],
-            unit: None,
-        }
-    }
-
-    #[test]
-    fn a_start_value_has_the_type_of_its_variable() {
-        for (family, value, expected) in [
-            (Family::Real, Value::Number(1.5), Some(1.5)),
-            (Family::Integer, Value::Number(2.0), Some(2.0)),
-            (Family::Integer, Value::Number(1.5), None),
-            (Family::Integer, Value::Text("shut".into()), Some(2.0)),
-            (Family::Integer, Value::Text("ajar".into()), None),
-            (Family::Boolean, Value::Boolean(true), Some(1.0)),
-            (Family::Boolean, Value::Number(1.0), None),
-            (Family::Real, Value::Text("1".into()), None),
-        ] {
-            assert_eq!(
-                number(&variable(family), &value).ok(),
-                expected,
-                "{family:?} {value:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn an_unknown_item_is_answered_with_the_known_ones() {
-        let told = number(&variable(Family::Integer), &Value::Text("ajar".into()));
-        assert_eq!(told.unwrap_err(), "has no item 'ajar' (open, shut)");
-    }
 }

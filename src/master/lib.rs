@@ -13,7 +13,9 @@
 //! An input takes what a `connections` entry of the file says, else the equal-named output of another FMU, else the
 //! scenario's signal of that name, unless a start value was given for it, which then stays
 //! (`wiring`). Within a step the FMUs run one after the other on the newest values (Gauss-Seidel),
-//! or all on those of the step's beginning (Jacobi). Time is counted in whole steps: the
+//! or all on those of the step's beginning (Jacobi). Inputs hold within a step, or have `slopes` where
+//! an FMU can follow them; a step that an FMU discards is divided (`discard`); a supplier's FMU may
+//! stand under other names, units and codings (`mapped`). Time is counted in whole steps: the
 //! communication point k is `k * step`, never a sum.
 //!
 //! Independent runs share nothing but the unpacked FMU files: [`run_all`] gives them to threads.
@@ -32,34 +34,40 @@
 //!   compiler's (`-I$(cc -print-file-name=include)`);
 //! - [`fmi::fmi2::import::Fmi2Import`] owns the unpacked FMU and removes it when dropped, while an
 //!   instance does not borrow it: an instance here keeps its [`Library`] and is dropped first;
-//! - dropping an instance frees but does not terminate it; it is terminated here;
-//! - `enter_initialization_mode` exists in two traits with different arguments; calls name the one
-//!   they mean;
-//! - `get_integer`, `get_boolean` and their setters do not compare the lengths of their slices;
-//!   `signals` keeps references and values side by side;
+//! - its safe instance hides the component, and with it input and output derivatives; its logger
+//!   drops the category of a message, reads a null one, and panics at a status Pending: `cosim_raw`
+//!   calls its raw binding instead;
 //! - its description of an Enumeration has no items, and one of a Real no unit, minimum or
 //!   maximum: [`description`] reads the file itself;
-//! - `import::from_path` unpacks everything: `package` unpacks what a run needs;
-//! - its logger drops `fmi2Discard` to trace level and reads a null category: logging stays off.
+//! - `import::from_path` unpacks everything: `package` unpacks what a run needs.
 
+mod derivatives;
 pub mod description;
+mod discard;
 mod error;
 mod fmu;
+mod gather;
+mod library;
+mod mapped;
 mod package;
 mod parallel;
+mod part;
 pub mod plan;
 mod run;
 mod scenario;
 mod signals;
+mod slopes;
 mod ssv;
+mod start;
 mod system;
 pub mod unit;
 mod wiring;
 mod world;
 
+pub use cosim_raw::Message;
 pub use error::Error;
-pub use fmu::{Libraries, Library};
-pub use parallel::{Job, Outcome, run_all, run_into};
+pub use library::{Libraries, Library};
+pub use parallel::{Job, Made, Outcome, Told, run_all, run_into};
 pub use plan::Plan;
 pub use run::Run;
 pub use scenario::Scenario;

@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
-use cosim_master::{Error, Job, Libraries, Outcome, Scenario, System, run_all};
+use cosim_master::{Error, Job, Libraries, Message, Outcome, Scenario, System, Told, run_all};
 use std::fmt::Write as _;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ const RUN_EXAMPLES: &str = "\
 Examples:
   cosim run examples/closed_loop/paper_case1.toml --out results.csv
   cosim run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
-  cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10
+  cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10 --interpolate
   cosim run examples/closed_loop/paper_case1.toml --record plant.vehicle.speed
 
 Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed; the rows
@@ -57,12 +57,18 @@ struct RunWords {
     /// A parameter or start value, COMPONENT.VARIABLE=VALUE.
     #[arg(long, value_name = "ASSIGNMENT", value_parser = assignment)]
     set: Vec<(String, String, Value)>,
+    /// Inputs with slopes within a step, where the FMU can interpolate.
+    #[arg(long)]
+    interpolate: bool,
     /// A signal to keep, COMPONENT.VARIABLE; may be said again. Without it all are kept.
     #[arg(long, value_name = "SIGNAL")]
     record: Vec<String>,
     /// Results: `time` [s], then `component.variable`.
     #[arg(long, value_name = "FILE", default_value = "results.csv")]
     out: PathBuf,
+    /// Also what the FMUs say, with their times.
+    #[arg(short, long)]
+    verbose: bool,
 }
 
 fn main() -> ExitCode {
@@ -105,12 +111,16 @@ fn run(words: RunWords) -> Result<String, Error> {
     system.step = words.step.unwrap_or(system.step);
     system.stop = words.stop.unwrap_or(system.stop);
     system.scenario = words.scenario.unwrap_or(system.scenario);
+    system.interpolate |= words.interpolate;
     for (component, variable, value) in words.set {
         system.set(&component, &variable, value)?;
     }
     let times = system.times()?;
     let record = (!words.record.is_empty()).then_some(words.record);
     let outcome = outcome(&system, &words.fmu_dir, &times, record)?;
+    if words.verbose {
+        tell(&outcome.log);
+    }
     let rows = outcome.rows.len() / outcome.names.len().max(1);
     if rows > 0 {
         write(&words.out, &times, &outcome)?;
@@ -149,6 +159,24 @@ fn outcome(
     });
     let outcome = slot.into_inner().ok().flatten();
     outcome.ok_or_else(|| Error::Usage("the run was lost".into()))
+}
+
+/// Prints the messages of all FMUs by their times.
+fn tell(log: &Told) {
+    let all = log
+        .iter()
+        .flat_map(|(name, messages)| messages.iter().map(move |message| (name, message)));
+    let mut all: Vec<_> = all.collect();
+    all.sort_by(|(_, one), (_, other)| one.time.total_cmp(&other.time));
+    for (name, message) in all {
+        let Message {
+            time,
+            category,
+            text,
+            ..
+        } = message;
+        eprintln!("{time} s {name} [{category}] {text}");
+    }
 }
 
 /// Writes the rows whole: to a temporary name beside it, then renamed.

@@ -1,9 +1,10 @@
 //! Independent runs on several threads.
 
 use crate::error::Error;
-use crate::fmu::Libraries;
+use crate::library::Libraries;
 use crate::plan::Plan;
 use crate::run::Run;
+use cosim_raw::Message;
 use std::num::NonZero;
 use std::sync::Mutex;
 use std::thread;
@@ -28,7 +29,15 @@ pub struct Outcome {
     pub rows: Vec<f64>,
     /// Why they are not all there.
     pub error: Option<Error>,
+    /// Messages of each FMU, by its component's name.
+    pub log: Told,
 }
+
+/// Messages of each FMU of a run, by its component's name.
+pub type Told = Vec<(String, Vec<Message>)>;
+
+/// How many rows are good, why they are not all, and what the FMUs said.
+pub type Made = (usize, Option<Error>, Told);
 
 /// Makes all runs, at most `threads` at a time; `done` gets each with its number, in any order.
 ///
@@ -47,14 +56,13 @@ pub fn run_all(
 
 /// Makes all runs into rows that are there already, large enough for every one of them.
 ///
-/// Returns for each how many rows are good, and why they are not all.
 pub fn run_into(
     jobs: &[Job<'_>],
     rows: Vec<&mut [f64]>,
     libraries: &Libraries,
     threads: NonZero<usize>,
-) -> Vec<(usize, Option<Error>)> {
-    let mut made: Vec<_> = jobs.iter().map(|_| (0, None)).collect();
+) -> Vec<Made> {
+    let mut made: Vec<Made> = jobs.iter().map(|_| Made::default()).collect();
     let work = jobs.iter().zip(rows).zip(&mut made).collect();
     share(
         work,
@@ -62,11 +70,8 @@ pub fn run_into(
         threads,
         |((job, rows), made), libraries| {
             *made = match Run::new(&job.plan, libraries) {
-                Ok(run) => {
-                    let (good, done) = run.run(&job.plan, job.times, job.script, rows);
-                    (good, done.err())
-                }
-                Err(error) => (0, Some(error)),
+                Ok(run) => make(run, job, rows),
+                Err(error) => (0, Some(error), vec![]),
             };
         },
     );
@@ -106,16 +111,25 @@ fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
                 names: vec![],
                 rows: vec![],
                 error: Some(error),
+                log: vec![],
             };
         }
     };
     let names = run.names();
     let mut rows = vec![0.0; job.times.len() * names.len()];
-    let (good, done) = run.run(&job.plan, job.times, job.script, &mut rows);
+    let (good, error, log) = make(run, job, &mut rows);
     rows.truncate(good * names.len());
     Outcome {
         names,
         rows,
-        error: done.err(),
+        error,
+        log,
     }
+}
+
+fn make(run: Run, job: &Job<'_>, rows: &mut [f64]) -> Made {
+    let logs = run.logs();
+    let (good, done) = run.run(&job.plan, job.times, job.script, rows);
+    let log = logs.into_iter().map(|(name, log)| (name, log.messages()));
+    (good, done.err(), log.collect())
 }

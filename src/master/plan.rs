@@ -15,6 +15,9 @@ pub struct Plan {
     pub coupling: Coupling,
     /// Names of the scenario's signals that are in use, without `scenario.`.
     pub script: Vec<String>,
+    /// Inputs have slopes within a step, where their FMU can follow them.
+    #[serde(default)]
+    pub interpolate: bool,
     /// Signals that are kept of every step; all of them when none are named. Outputs that are
     /// neither kept nor read by an input are not asked for.
     #[serde(default)]
@@ -47,6 +50,62 @@ pub struct Component {
     /// Equal steps of this component in a communication step.
     #[serde(default = "one")]
     pub substeps: u32,
+    /// What stands between the names, units and codings of the loop and those of the FMU.
+    #[serde(default)]
+    pub mapped: Option<Mapped>,
+}
+
+/// A supplier's FMU under other names: "ours" are those of the loop, "theirs" those of the FMU.
+///
+/// `start` has their names; the component's inputs and outputs are ours.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+pub struct Mapped {
+    /// The mapping file, for messages.
+    pub file: PathBuf,
+    /// One for each input.
+    pub inputs: Vec<Link>,
+    /// Outputs, in the order in which they are recorded.
+    pub outputs: Vec<Link>,
+    /// More outputs, after those.
+    #[serde(default)]
+    pub sums: Vec<Sum>,
+}
+
+/// ours = gain * theirs + shift, or a table.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Link {
+    /// Our name.
+    pub ours: String,
+    /// Their name.
+    pub theirs: String,
+    /// As above.
+    #[serde(default = "unit")]
+    pub gain: f64,
+    /// As above.
+    #[serde(default)]
+    pub shift: f64,
+    /// Pairs ours, theirs that stand instead of the line. Of several of theirs the first is sent.
+    #[serde(default)]
+    pub table: Vec<(f64, f64)>,
+    /// Whether ours may have a slope within a step.
+    #[serde(default)]
+    pub moves: bool,
+}
+
+fn unit() -> f64 {
+    1.0
+}
+
+/// An output that is a weighted sum of others of ours.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Sum {
+    /// Our name.
+    pub ours: String,
+    /// Our names of the others, and their weights.
+    pub terms: Vec<(String, f64)>,
+    /// As in `Link`.
+    #[serde(default)]
+    pub moves: bool,
 }
 
 fn one() -> u32 {
@@ -69,6 +128,9 @@ pub struct Input {
     /// A `scenario.signal` that is added to the source's value first.
     #[serde(default)]
     pub noise: Option<String>,
+    /// Its value in initialisation mode, where somebody has settled all of them.
+    #[serde(default)]
+    pub initial: Option<f64>,
 }
 
 fn unchanged() -> (f64, f64) {

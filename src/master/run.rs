@@ -1,10 +1,13 @@
 //! The loop itself: initialisation, then Gauss-Seidel or Jacobi steps.
 
 use crate::error::Error;
-use crate::fmu::{Fmu, Libraries};
+use crate::library::Libraries;
+use crate::part::Part;
 use crate::plan::{Coupling, Plan};
-use crate::world::{self, Gather};
-use std::ops::Range;
+use crate::slopes::Slopes;
+use crate::world;
+use cosim_raw::Log;
+use std::sync::Arc;
 
 /// Sweeps over the initial values, beyond one per component.
 const SWEEPS: usize = 50;
@@ -25,39 +28,7 @@ pub struct Run {
     script: usize,
     world: Vec<f64>,
     coupling: Coupling,
-}
-
-/// One FMU, what feeds it, and where its outputs live in the world.
-struct Part {
-    fmu: Fmu,
-    gather: Gather,
-    outputs: Range<usize>,
-    substeps: u32,
-}
-
-impl Part {
-    fn gather(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
-        self.gather.gather(world, time)
-    }
-
-    fn set_inputs(&mut self) -> Result<(), Error> {
-        self.fmu.set_inputs(&self.gather.values)
-    }
-
-    fn get_outputs(&mut self, world: &mut [f64]) -> Result<(), Error> {
-        let places = world.get_mut(self.outputs.clone()).unwrap_or_default();
-        self.fmu.get_outputs(places)
-    }
-
-    /// Advances with the gathered inputs, in equal parts.
-    fn step(&mut self, world: &mut [f64], time: f64, step: f64) -> Result<(), Error> {
-        let parts = f64::from(self.substeps);
-        for k in 0..self.substeps {
-            let begin = time + f64::from(k) * step / parts;
-            self.fmu.step(&self.gather.values, begin, step / parts)?;
-        }
-        self.get_outputs(world)
-    }
+    slopes: Option<Slopes>,
 }
 
 impl Run {
@@ -71,19 +42,16 @@ impl Run {
         let places = world::index(&all);
         let mut parts = vec![];
         let mut first = plan.script.len();
-        for ((component, library), outputs) in plan.components.iter().zip(&opened).zip(&read) {
-            let (gather, inputs) = Gather::new(component, library.description(), &places)?;
-            let fmu = Fmu::new(&component.name, library.clone(), &inputs, outputs)?;
-            let outputs = first..first + fmu.outputs();
-            first = outputs.end;
-            parts.push(Part {
-                fmu,
-                gather,
-                outputs,
-                substeps: component.substeps.max(1),
-            });
+        for ((component, library), read) in plan.components.iter().zip(&opened).zip(&read) {
+            let part = Part::new(component, library, read, &places, first)?;
+            first = part.outputs.end;
+            parts.push(part);
         }
+        let moving = read.iter().flat_map(|read| read.moving.iter().copied());
+        let moving: Vec<bool> = plan.script.iter().map(|_| true).chain(moving).collect();
+        let interpolate = plan.interpolate;
         Ok(Self {
+            slopes: interpolate.then(|| Slopes::new(&mut parts, &moving)),
             parts,
             world: vec![0.0; all.len()],
             kept: world::places(&all, plan.record.as_deref()),
@@ -115,6 +83,11 @@ impl Run {
         }
     }
 
+    /// What each FMU says, by its component's name; complete when the run is over.
+    pub fn logs(&self) -> Vec<(String, Arc<Log>)> {
+        self.parts.iter().map(Part::log).collect()
+    }
+
     /// Runs over `times` [s], the first of which is the start.
     ///
     /// `script` has a row of scenario signals for each time, and `rows` takes a row of the
@@ -128,13 +101,17 @@ impl Run {
         rows: &mut [f64],
     ) -> (usize, Result<(), Error>) {
         let width = self.kept.as_ref().map_or(self.all.len(), Vec::len);
-        let scripted = |k: usize| script.get(k * self.script..(k + 1) * self.script);
+        let count = self.script;
+        let scripted = |k: usize| {
+            let row = script.get(k * count..(k + 1) * count);
+            row.unwrap_or_default()
+        };
         let mut recorder = Recorder {
             rows,
             width,
             done: 0,
         };
-        let mut done = self.initialize(plan, times, scripted(0).unwrap_or_default());
+        let mut done = self.initialize(plan, times, scripted(0));
         if done.is_ok() {
             done = self.record(&mut recorder, 0.0);
         }
@@ -143,10 +120,9 @@ impl Run {
             if done.is_err() {
                 break;
             }
-            let scripted = script.get((k + 1) * self.script..(k + 2) * self.script);
-            done = self.advance(time, next - time);
+            done = self.advance(time, next - time, (scripted(k), scripted(k + 1)));
             done = done.and_then(|()| {
-                self.play(scripted.unwrap_or_default());
+                self.play(scripted(k + 1));
                 self.record(&mut recorder, next)
             });
         }
@@ -157,7 +133,7 @@ impl Run {
     fn initialize(&mut self, plan: &Plan, times: &[f64], script: &[f64]) -> Result<(), Error> {
         let stop = times.last().copied().unwrap_or_default();
         for (part, component) in self.parts.iter_mut().zip(&plan.components) {
-            part.fmu.initialize(&component.start, stop)?;
+            part.initialize(&component.start, stop)?;
         }
         self.play(script);
         let Self { parts, world, .. } = self;
@@ -167,7 +143,7 @@ impl Run {
         self.settle()?;
         let Self { parts, world, .. } = self;
         parts.iter_mut().try_for_each(|part| {
-            part.fmu.start()?;
+            part.start()?;
             part.get_outputs(world)
         })
     }
@@ -178,7 +154,7 @@ impl Run {
             let before = self.world.clone();
             let Self { parts, world, .. } = self;
             for part in parts.iter_mut() {
-                part.gather(world, 0.0)?;
+                part.gather.gather_initial(world)?;
                 part.set_inputs()?;
                 part.get_outputs(world)?;
             }
@@ -202,17 +178,22 @@ impl Run {
         })
     }
 
-    fn advance(&mut self, time: f64, step: f64) -> Result<(), Error> {
+    /// Steps all components; over the step the scenario goes from one row to the next.
+    fn advance(&mut self, time: f64, step: f64, script: (&[f64], &[f64])) -> Result<(), Error> {
         let Self { parts, world, .. } = self;
+        if let Some(slopes) = &mut self.slopes {
+            slopes.begin(parts, world, script, step)?;
+            return along(slopes, self.coupling, parts, world, (time, step));
+        }
         match self.coupling {
             Coupling::GaussSeidel => parts.iter_mut().try_for_each(|part| {
-                part.gather(world, time)?;
+                part.gather.gather(world, time)?;
                 part.step(world, time, step)
             }),
             Coupling::Jacobi => {
                 parts
                     .iter_mut()
-                    .try_for_each(|part| part.gather(world, time))?;
+                    .try_for_each(|part| part.gather.gather(world, time))?;
                 parts
                     .iter_mut()
                     .try_for_each(|part| part.step(world, time, step))
@@ -248,6 +229,30 @@ impl Run {
             time,
             what: "no finite number",
         })
+    }
+}
+
+/// Steps all components with inputs that go on within the step, where they can follow.
+fn along(
+    slopes: &mut Slopes,
+    coupling: Coupling,
+    parts: &mut [Part],
+    world: &mut [f64],
+    (time, step): (f64, f64),
+) -> Result<(), Error> {
+    match coupling {
+        Coupling::GaussSeidel => parts.iter_mut().try_for_each(|part| {
+            slopes.feed(part, world, time)?;
+            part.step(world, time, step)?;
+            slopes.after(part, world);
+            Ok(())
+        }),
+        Coupling::Jacobi => {
+            let mut all = parts.iter_mut();
+            all.try_for_each(|part| slopes.feed(part, world, time))?;
+            let mut all = parts.iter_mut();
+            all.try_for_each(|part| part.step(world, time, step))
+        }
     }
 }
 

@@ -1,12 +1,11 @@
 //! The inputs or outputs of one FMU: value references beside their values, one group per family.
 
 use crate::description::{Family, Variable};
-use fmi::fmi2::Fmi2Error;
-use fmi::fmi2::instance::{Common, InstanceCS};
+use cosim_raw::{Instance, Status};
 use num_traits::AsPrimitive;
 
 /// What an FMU function that failed is called, and the status it returned.
-pub type Failure = (&'static str, Fmi2Error);
+pub type Failure = (&'static str, Status);
 
 /// Inputs or outputs of one FMU: reals first, then integers, then booleans.
 #[derive(Debug, Default)]
@@ -63,13 +62,8 @@ impl Signals {
         signals
     }
 
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.reals.len() + self.integers.references.len() + self.booleans.references.len()
-    }
-
     /// Sets the FMU's variables; `numbers` has as many as there are.
-    pub fn set(&mut self, instance: &mut InstanceCS, numbers: &[f64]) -> Result<(), Failure> {
+    pub fn set(&mut self, instance: &mut Instance, numbers: &[f64]) -> Result<(), Failure> {
         let (reals, narrow) = numbers.split_at(self.reals.len().min(numbers.len()));
         if !reals.is_empty() {
             let done = instance.set_real(&self.reals, reals);
@@ -91,7 +85,7 @@ impl Signals {
     }
 
     /// Reads the FMU's variables into `numbers`, which has as many as there are.
-    pub fn get(&mut self, instance: &mut InstanceCS, numbers: &mut [f64]) -> Result<(), Failure> {
+    pub fn get(&mut self, instance: &mut Instance, numbers: &mut [f64]) -> Result<(), Failure> {
         let (reals, narrow) = numbers.split_at_mut(self.reals.len().min(numbers.len()));
         if !reals.is_empty() {
             let done = instance.get_real(&self.reals, reals);

@@ -2,7 +2,7 @@
 
 use crate::description::Description;
 use crate::error::Error;
-use crate::fmu::Libraries;
+use crate::library::Libraries;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
 use crate::{ssv, wiring};
@@ -36,9 +36,7 @@ struct File {
 impl File {
     /// What only the harness can do.
     fn refused(&self) -> Option<&'static str> {
-        let slopes = "interpolate: no input derivatives here";
-        let noise = self.noise.as_ref().map(|_| "noise: none is drawn here");
-        self.system.interpolate.then_some(slopes).or(noise)
+        self.noise.as_ref().map(|_| "noise: none is drawn here")
     }
 }
 
@@ -102,6 +100,8 @@ pub struct System {
     pub stop: f64,
     /// The scenario.
     pub scenario: PathBuf,
+    /// Whether inputs have slopes within a step.
+    pub interpolate: bool,
     path: PathBuf,
     coupling: Coupling,
     parts: Vec<(String, Part)>,
@@ -138,6 +138,7 @@ impl System {
             scenario: folder.join(file.system.scenario),
             path: path.to_owned(),
             coupling: file.system.coupling,
+            interpolate: file.system.interpolate,
             parts,
             connections: file.connections,
             overrides: vec![],
@@ -191,6 +192,7 @@ impl System {
                 fmu,
                 inputs: vec![],
                 substeps: part.substeps.max(1),
+                mapped: None,
             });
             opened.push(library);
         }
@@ -200,6 +202,7 @@ impl System {
         let plan = Plan {
             components,
             coupling: self.coupling,
+            interpolate: self.interpolate,
             script,
             record: None,
         };
@@ -289,19 +292,15 @@ mod tests {
     #[test]
     fn what_only_the_harness_can_do_is_refused() {
         let plant = "[components.plant]\nfmu = \"p\"\n";
-        for (before, after, said) in [
-            ("interpolate = true\n", "", "no input derivatives here"),
-            ("", "[noise]\n\"plant.x\" = 0.1\n", "none is drawn here"),
-        ] {
-            let Err(error) = load(&format!("{HEAD}{before}{plant}{after}")) else {
-                panic!("was read")
-            };
-            let told = error.to_string();
-            assert!(
-                told.contains(&format!("{said}; use `dct-harness run`")),
-                "{told}"
-            );
-        }
+        let noise = "[noise]\n\"plant.x\" = 0.1\n";
+        let Err(error) = load(&format!("{HEAD}{plant}{noise}")) else {
+            panic!("was read")
+        };
+        let told = error.to_string();
+        assert!(
+            told.contains("none is drawn here; use `dct-harness run`"),
+            "{told}"
+        );
     }
 
     #[test]

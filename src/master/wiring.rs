@@ -127,6 +127,7 @@ impl Wiring<'_> {
             let line = explicit.and_then(Connection::line);
             found.push(Input {
                 noise: None,
+                initial: None,
                 line: match line {
                     Some(line) if variable.family == Family::Real => line,
                     Some(_) => {

@@ -1,22 +1,26 @@
 //! `cosim_native`: the compiled master as a Python module, arrays in and out in bulk.
 //!
 //! ```python
-//! names, rows, error = cosim_native.run([plan_as_json], times, script, threads=1)[0]
+//! names, rows, error, log = cosim_native.run([plan_as_json], times, script, threads=1)[0]
 //! ```
 
-use cosim_master::{Error, Job, Libraries, Plan, Run, run_into};
+use cosim_master::{Error, Job, Libraries, Message, Plan, Run, run_into};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use std::num::NonZero;
 
-/// Names of the recorded signals, their rows, and why the rows are not all there.
+/// Names of the recorded signals, their rows, why the rows are not all there, and what FMUs said.
 type Made<'py> = (
     Vec<String>,
     Bound<'py, PyAny>,
     Option<(&'static str, String)>,
+    Vec<(String, Vec<Said>)>,
 );
+
+/// A message: time [s], fmi2Status, category, text.
+type Said = (f64, i32, String, String);
 
 /// Run closed loops, at most `threads` at a time; the same numbers for any number of threads.
 ///
@@ -24,7 +28,8 @@ type Made<'py> = (
 /// script: scenario signals, shape (n, number of signals), for all loops.
 ///
 /// Returns for each plan: names, rows of shape (samples, names), and None or an error as a pair:
-/// "run" (an FMU failed), "fmu" (one does not load) or "configuration", and a sentence.
+/// "run" (an FMU failed), "fmu" (one does not load) or "configuration", and a sentence; then pairs of
+/// component and messages (time [s], fmi2Status, category, text).
 #[pyfunction]
 #[pyo3(signature = (plans, times, script, threads = 1))]
 fn run<'py>(
@@ -60,10 +65,13 @@ fn run<'py>(
     let made = py.detach(|| run_into(&jobs, rows, &libraries, threads));
     drop(open);
     let all = names.into_iter().zip(tables).zip(made);
-    all.map(|((names, table), (good, error))| {
+    all.map(|((names, table), (good, error, log))| {
         let rows = table.get_item(PySlice::new(py, 0, isize::try_from(good)?, 1))?;
         let error = error.map(|error| (kind(&error), error.to_string()));
-        Ok((names, rows, error))
+        let log = log
+            .into_iter()
+            .map(|(name, all)| (name, all.into_iter().map(said).collect()));
+        Ok((names, rows, error, log.collect()))
     })
     .collect()
 }
@@ -80,6 +88,16 @@ fn job<'a>(text: &str, times: &'a [f64], script: &'a [f64]) -> PyResult<Job<'a>>
         times,
         script,
     })
+}
+
+fn said(message: Message) -> Said {
+    let Message {
+        time,
+        status,
+        category,
+        text,
+    } = message;
+    (time, status, category, text)
 }
 
 fn value_error(what: &str) -> PyErr {

@@ -133,6 +133,7 @@ fn the_shipped_systems_agree_with_fmpy() {
         ),
         ("torque_tracking_case1.toml", &["--step", "0.0007"]),
         ("friction_fade_case2.toml", &["--step", "0.01"]),
+        ("paper_case1.toml", &["--step", "0.01", "--interpolate"]),
         ("launch_wet6.toml", &[]),
     ] {
         let system = shipped(system);
@@ -151,6 +152,11 @@ fn the_launch_is_one() {
 /// A loop of its own: Jacobi, parts of a step, a connection with a factor, a last shorter step.
 #[test]
 fn every_way_of_coupling_agrees_with_fmpy() {
+    let [held, along] = [false, true].map(coupled);
+    assert!(held != along, "slopes have no effect");
+}
+
+fn coupled(interpolate: bool) -> Table {
     let folder = TempDir::new().unwrap();
     let system = folder.path().join("own.toml");
     let scenario = shipped("scenarios/torque_tracking.csv");
@@ -162,6 +168,7 @@ fn every_way_of_coupling_agrees_with_fmpy() {
         stop = 1.0
         scenario = {scenario:?}
         coupling = "jacobi"
+        interpolate = {interpolate}
         [components.control]
         fmu = "DctClutchControl.fmu"
         parameters = {{ "feedback.enabled" = true }}
@@ -184,6 +191,7 @@ fn every_way_of_coupling_agrees_with_fmpy() {
             .iter()
             .any(|t| *t != 0.0)
     );
+    table
 }
 
 #[test]

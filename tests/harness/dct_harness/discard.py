@@ -12,7 +12,7 @@ def finish(fmu: Any, t: float, h: float) -> None:
     """Take the rest of a discarded step from `t` to `t + h` [s], in smaller ones.
 
     An FMU that got part of the way goes on from there; one that did not move tries half the step.
-    Inputs stay as they are, or go on with their slopes.
+    Inputs stay as they are, or go on with their slopes; afterwards they are as before.
 
     Raises
     ------
@@ -22,6 +22,13 @@ def finish(fmu: Any, t: float, h: float) -> None:
     varies = fmu.description.coSimulation.canHandleVariableCommunicationStepSize
     if str(varies).lower() != "true":
         fmu.give_up("it cannot take this step and takes no other one; change system.step")
+    with fmu.inputs_kept():
+        _divide(fmu, t, h)
+    fmu.note_discard(t)
+
+
+def _divide(fmu: Any, t: float, h: float) -> None:
+    """Take the step in parts, with inputs that go on."""
     end, at, part = t + h, t, h
     discarded = True
     while end - at > ROUNDING * h:
@@ -36,7 +43,6 @@ def finish(fmu: Any, t: float, h: float) -> None:
         if not discarded:
             at += part
             fmu.advance_inputs(part)
-    fmu.note_discard(t)
 
 
 def _after(fmu: Any, at: float, end: float, part: float) -> tuple[float, float]:

@@ -59,8 +59,11 @@ class Interpolation:
                         and int(m.fmu.description.coSimulation.maxOutputDerivativeOrder or 0) > 0
                         ]  # fmt: skip
         self._buffers: dict[int, np.ndarray] = {}
+        self._held: dict[int, list[int]] = {}  # inputs without a slope
         for member in followers:
             self._buffers[id(member.fmu)] = slopes = np.zeros(len(member.fmu.inputs))
+            self._held[id(member.fmu)] = [k for k, v in enumerate(member.fmu.inputs)
+                                          if not followed(v)]  # fmt: skip
             member.fmu.bind_slopes(slopes)
 
     def begin(self, now: np.ndarray, then: np.ndarray, h: float) -> None:
@@ -83,6 +86,7 @@ class Interpolation:
         if slopes is not None:
             self._slopes.take(member.where, out=slopes, mode="clip")
             member.convert.slopes(slopes)
+            slopes[self._held[id(member.fmu)]] = 0.0
 
     def after(self, member: Member) -> None:
         """Let later components of this step see where the outputs of this one have gone."""

@@ -98,7 +98,7 @@ class Isolated(Fmu):
         told = self._remote.ask("told", self.doing("the log"))
         for status, category, message in told["messages"]:
             word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
-            self._note(word, category, message)
+            self._note(word, category, message.replace("##", "#"))
         if told["dropped"] > self._dropped:
             if self._dropped == 0:
                 self._note("Warning", "harness", "floods its log: further messages are dropped")

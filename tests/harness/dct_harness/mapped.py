@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -117,9 +118,29 @@ class Mapped:
         return found
 
     @property
+    def inner(self) -> Fmu:
+        """The supplier's FMU itself."""
+        return self._fmu
+
+    @property
+    def file(self) -> Path:
+        """The mapping file."""
+        return self._mapping.path
+
+    @property
     def into(self) -> list[Link]:
         """Links of the inputs."""
         return self._in
+
+    @property
+    def out(self) -> list[Link]:
+        """Links of the outputs."""
+        return self._out
+
+    @property
+    def sums(self) -> list[tuple[Entry, Any]]:
+        """Outputs that are sums of others, after those of `out`, and what they are of ours."""
+        return list(zip(self._derived, self.outputs[len(self._out) :], strict=True))
 
     def link_of_output(self, name: str) -> tuple[Link, float]:
         """Return the link of one of our outputs, and by what its value is multiplied besides.

@@ -2,7 +2,8 @@
 
 Python still loads the FMUs, connects them and writes what `run.json` says of them; the compiled
 master gets the finished plan, and gives all rows back at once. It makes instances of its own,
-without a log. FMUs that this project did not build, and with them the loop, run in another process.
+and their messages stand for those of Python's. FMUs that this project did not build, and with them
+the loop, run in another process.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,25 +21,41 @@ from typing import Any
 import numpy as np
 
 from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError
+from .fmu import STATUS
+from .interpolation import continuous, followed
 from .isolated import Isolated
-from .mapped import Mapped
+from .links import Link
+from .mapped import Mapped, their_value
 from .master import Run
 from .values import start_value
 
 REMEDY = "run it with --engine fmpy"
 ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": ConfigError}
 PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
-Made = tuple[np.ndarray, HarnessError | None]
+Said = Sequence[tuple[str, list[tuple[float, int, str, str]]]]  # time [s], status, category, text
+Made = tuple[np.ndarray, HarnessError | None, Said]
 
 
 class NativeRun(Run):
     """As `Run`; its loop is compiled."""
 
+    _said: Said = ()
+
+    def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
+        """As `Run.execute`; the log is that of the instances that ran."""
+        try:
+            super().execute(progress)
+        finally:
+            for name, messages in self._said:
+                self.fmus[name].log[:] = [_message(name, *said) for said in messages]
+
     def _loop(self, progress: Callable[[int, int], None] | None) -> None:
         """Make all rows; those before a failure are kept."""
         plan = json.dumps(self._plan())
-        foreign = any(isinstance(fmu, Isolated) for fmu in self.fmus.values())
-        rows, error = self._apart(plan) if foreign else made(plan, self.times, self.script)
+        inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
+        foreign = any(isinstance(fmu, Isolated) for fmu in inner)
+        rows, error, said = self._apart(plan) if foreign else made(plan, self.times, self.script)
+        self._said = said
         self._samples[: len(rows)] = rows
         self.rows = self._samples[: len(rows)]
         if self.abort is not None:
@@ -50,27 +67,31 @@ class NativeRun(Run):
 
     def _plan(self) -> dict[str, Any]:
         """Return the loop as `cosim_master::Plan` in JSON."""
-        if self.system.interpolate:
-            raise ConfigError(
-                f"{self.system.path}: interpolate: the native engine has no input derivatives; "
-                f"{REMEDY}"
-            )
         return {
             "components": [self._component(name) for name in self.fmus],
             "coupling": self.system.coupling,
+            "interpolate": self.system.interpolate,
             "script": [n.removeprefix("scenario.") for n in self.names[: self.script.shape[1]]],
         }
 
     def _component(self, name: str) -> dict[str, Any]:
         fmu, component = self.fmus[name], self.system.components[name]
-        if isinstance(fmu, Mapped):
-            raise ConfigError(f"--map: the native engine takes no mapped FMU; {REMEDY}")
-        start = [[n, start_value(name, fmu.variables[n], v)]
-                 for n, v in component.parameters.items()]  # fmt: skip
+        given = dict(their_value(fmu, n, v) for n, v in component.parameters.items())
+        own = fmu.inner.variables if isinstance(fmu, Mapped) else fmu.variables
+        start = [[n, start_value(name, own[n], v)] for n, v in given.items()]
+        mapped = {"mapped": _mapped(fmu)} if isinstance(fmu, Mapped) else {}
         return {
             "name": name, "fmu": str(fmu.path), "start": start, "substeps": component.substeps,
-            "inputs": [self._input(f"{name}.{v.name}", v.name) for v in fmu.inputs],
+            "inputs": self._inputs(name, [v.name for v in fmu.inputs]), **mapped,
         }  # fmt: skip
+
+    def _inputs(self, name: str, inputs: list[str]) -> list[dict[str, Any]]:
+        """Return the inputs of a component, with the initial values that Python has settled."""
+        settled = self._members[list(self.fmus).index(name)].values
+        told = [self._input(f"{name}.{n}", n) for n in inputs]
+        if np.all(np.isfinite(settled)):
+            told = [{**t, "initial": float(x)} for t, x in zip(told, settled, strict=True)]
+        return told
 
     def _input(self, target: str, name: str) -> dict[str, Any]:
         change = self.transforms.get(target)
@@ -105,6 +126,29 @@ class NativeRun(Run):
             return _read(folder / OUTPUT)
 
 
+def _mapped(fmu: Mapped) -> dict[str, Any]:
+    """Return what stands between our names and the supplier's as `cosim_master::plan::Mapped`."""
+    return {
+        "file": str(fmu.file),
+        "inputs": [_link(k, followed(k.ours)) for k in fmu.into],
+        "outputs": [_link(k, continuous(k.ours)) for k in fmu.out],
+        "sums": [{"ours": e.name, "terms": e.terms, "moves": continuous(v)}
+                 for e, v in fmu.sums],
+    }  # fmt: skip
+
+
+def _link(link: Link, moves: bool) -> dict[str, Any]:
+    return {"ours": link.ours.name, "theirs": link.theirs.name, "gain": link.gain,
+            "shift": link.shift, "table": link.table, "moves": moves}  # fmt: skip
+
+
+def _message(component: str, time: float, status: int, category: str, text: str) -> dict[str, Any]:
+    """Return a message as `Fmu.log` has it."""
+    word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+    return {"component": component, "time": time, "status": word, "category": category,
+            "message": text}  # fmt: skip
+
+
 def _ending(code: int) -> str:
     return f"signal {-code}" if code < 0 else f"exit code {code}"
 
@@ -112,11 +156,11 @@ def _ending(code: int) -> str:
 def _read(path: Path) -> Made:
     with np.load(path) as told:
         kind, text = (str(part) for part in told["error"])
-        return told["rows"], ERRORS[kind](text) if kind else None
+        return told["rows"], ERRORS[kind](text) if kind else None, json.loads(str(told["log"]))
 
 
 def made(plan: str, times: np.ndarray, script: np.ndarray) -> Made:
-    """Return the rows of one loop, shape (samples, signals), and why they are not all there.
+    """Return the rows of one loop, shape (samples, signals), why they are not all there, the log.
 
     Raises
     ------
@@ -129,8 +173,8 @@ def made(plan: str, times: np.ndarray, script: np.ndarray) -> Made:
         raise ConfigError(
             "--engine native needs the module cosim_native: `cargo xtask native` builds it"
         ) from missing
-    _, rows, error = native.run([plan], times, np.ascontiguousarray(script))[0]
-    return rows, ERRORS[error[0]](error[1]) if error else None
+    _, rows, error, log = native.run([plan], times, np.ascontiguousarray(script))[0]
+    return rows, ERRORS[error[0]](error[1]) if error else None, log
 
 
 def main(folder: Path, memory: int) -> None:
@@ -139,9 +183,10 @@ def main(folder: Path, memory: int) -> None:
 
     limit(memory * (1 << 20))
     with np.load(folder / INPUT) as given:
-        rows, error = made((folder / PLAN).read_text("utf-8"), given["times"], given["script"])
+        rows, error, log = made((folder / PLAN).read_text("utf-8"), given["times"], given["script"])
     kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
-    np.savez(folder / OUTPUT, rows=rows, error=np.array([kind, str(error or "")]))
+    told = np.array([kind, str(error or "")])
+    np.savez(folder / OUTPUT, rows=rows, error=told, log=np.array(json.dumps(log)))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,128 @@
+//! What an FMU says through its logger, with the time at which it says it.
+
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Messages of one instance that are kept; one more tells that there were more.
+pub const MESSAGES: usize = 1000;
+
+/// fmi2Warning.
+const WARNING: i32 = 1;
+
+/// A message of an FMU, or of the master about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Message {
+    /// Communication point at which it came [s].
+    pub time: f64,
+    /// fmi2Status as a number, 0 for OK.
+    pub status: i32,
+    /// The FMU's name for this kind of message; `harness` for the master's own.
+    pub category: String,
+    /// The message.
+    pub text: String,
+}
+
+/// The messages of one instance so far; the FMU may add to it from any thread.
+#[derive(Debug, Default)]
+pub struct Log {
+    /// Bits of the communication point [s].
+    now: AtomicU64,
+    messages: Mutex<Vec<Message>>,
+}
+
+impl Log {
+    /// Gives the messages to come their time [s].
+    pub fn at(&self, time: f64) {
+        self.now.store(time.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Adds what the master has to say of the FMU.
+    pub fn warn(&self, text: String) {
+        self.push(WARNING, "harness".into(), text);
+    }
+
+    /// All messages so far.
+    pub fn messages(&self) -> Vec<Message> {
+        let messages = self.messages.lock();
+        messages.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn push(&self, status: i32, category: String, text: String) {
+        let messages = self.messages.lock();
+        let mut messages = messages.unwrap_or_else(PoisonError::into_inner);
+        let time = f64::from_bits(self.now.load(Ordering::Relaxed));
+        let message = |status, category, text| Message {
+            time,
+            status,
+            category,
+            text,
+        };
+        if messages.len() < MESSAGES {
+            messages.push(message(status, category, text));
+        } else if messages.len() == MESSAGES {
+            let flood = "floods its log: further messages are dropped".to_owned();
+            messages.push(message(WARNING, "harness".into(), flood));
+        }
+    }
+}
+
+/// Takes a message from `logger.c`; `log` is the component environment of `Callbacks`.
+#[unsafe(no_mangle)]
+extern "C" fn cosim_log(
+    log: *const c_void,
+    status: c_int,
+    category: *const c_char,
+    text: *const c_char,
+) {
+    // SAFETY: FMI 2.0.4, 2.1.5: an FMU hands back the componentEnvironment that it was given, which
+    // is the Log that its Instance keeps until after fmi2FreeInstance; null is no reference.
+    let Some(log) = (unsafe { log.cast::<Log>().as_ref() }) else {
+        return;
+    };
+    // SAFETY: logger.c passes a text that ends with a null character, never a null pointer.
+    let category = unsafe { CStr::from_ptr(category) }.to_string_lossy();
+    // SAFETY: as before.
+    let text = unsafe { CStr::from_ptr(text) }.to_string_lossy();
+    // FMI 2.0.4, 2.1.5: '#' has a meaning in messages and is doubled where it has none.
+    log.push(status, category.into_owned(), text.replace("##", "#"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ptr::{from_ref, null};
+
+    fn tell(log: &Log, text: &CStr) {
+        let category = c"logEvents".as_ptr();
+        cosim_log(from_ref(log).cast(), 0, category, text.as_ptr());
+    }
+
+    #[test]
+    fn a_message_has_the_time_of_its_step() {
+        let log = Log::default();
+        log.at(0.25);
+        tell(&log, c"gear ##1");
+        let [message] = log.messages().try_into().unwrap();
+        assert_eq!((message.time, message.status), (0.25, 0));
+        assert_eq!(
+            (&*message.category, &*message.text),
+            ("logEvents", "gear #1")
+        );
+    }
+
+    #[test]
+    fn a_flood_is_cut_and_told() {
+        let log = Log::default();
+        (0..MESSAGES + 9).for_each(|_| tell(&log, c"again"));
+        let messages = log.messages();
+        assert_eq!(messages.len(), MESSAGES + 1);
+        assert!(messages[MESSAGES].text.contains("floods its log"));
+        assert_eq!(messages[MESSAGES].status, WARNING);
+    }
+
+    #[test]
+    fn a_message_for_nobody_is_dropped() {
+        cosim_log(null(), 0, c"".as_ptr(), c"".as_ptr());
+    }
+}
