@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import closed_loop_runs
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS, rms
@@ -57,6 +58,17 @@ def test_the_file_has_every_parameter_with_deviation_and_friction(first: results
 def test_an_observer_that_learns_nothing_leaves_no_file(first: results.Results) -> None:
     assert first.path is not None
     assert [path.name for path in first.path.glob("*.ssv")] == ["calibration.ssv"]
+
+
+def test_a_torque_that_is_misread_is_found(tmp_path: Path) -> None:
+    """Read 5 % and 2 N.m too high; the system limits what the torques miss."""
+    loop = closed_loop_runs.run("calibration_torque", (), tmp_path)
+    scale, bias = (f"observer.calibration.torque{end}" for end in ("Scale", "Bias"))
+    assert loop[scale][-1] == pytest.approx(1 / 1.05 - 1, abs=0.005)
+    assert loop[bias][-1] == pytest.approx(-2 / 1.05, abs=0.05)
+    for name in (scale, bias):
+        believed = loop.run["parameters"]["observer"][name.removeprefix("observer.") + "Sigma"]
+        assert loop[f"{name}Deviation"][-1] < 0.5 * believed["value"], name
 
 
 def test_a_system_without_observer_is_told(

@@ -360,6 +360,15 @@ def test_what_is_learnt_is_drawn_with_its_band_and_what_there_is_to_learn(tmp_pa
     assert calibration.injected(view, "observer", "torqueScale") is None
 
 
+def test_a_torque_that_is_misread_is_what_there_is_to_learn(tmp_path: Path) -> None:
+    """Read 5 % and 2 N.m too high: divided by 1.05, after 2 N.m are taken away."""
+    (view,) = runs.load([write_run(tmp_path / "run", "x", "A", learning=True)])
+    entry = {"from": "scenario.engine.torque", "to": "observer.engine.torque"}
+    view.run["system"]["connections"] = [{**entry, "factor": 1.05, "offset": 2.0}]
+    alpha, beta = (calibration.injected(view, "observer", f"torque{k}") for k in ("Scale", "Bias"))
+    assert (1 + alpha) * (1.05 * 80.0 + 2.0) + beta == pytest.approx(80.0)
+
+
 def test_everything_that_the_observer_learns_has_a_panel() -> None:
     text = (ROOT / "modelDescription/DctObserver.xml").read_text(encoding="utf-8")
     learnt = set(re.findall(r'name="calibration\.(\w+)Deviation"', text))

@@ -6,10 +6,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// Result directory under `target/demo`, system file, feedback of the control.
-const RUNS: [(&str, &str, Option<bool>); 11] = [
+const RUNS: [(&str, &str, Option<bool>); 12] = [
     ("methods_case1", "methods_case1", None),
     ("methods_case2", "methods_case2", None),
     ("calibration_case1", "calibration_case1", None),
+    ("calibration_torque", "calibration_torque", None),
     ("torque_tracking_case1", "torque_tracking_case1", Some(true)),
     (
         "torque_tracking_case1_no_feedback",

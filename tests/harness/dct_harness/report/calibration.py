@@ -32,6 +32,7 @@ INJECTED = {
     "stiffnessError": ("driveShaft.stiffness",),
     "dampingError": ("driveShaft.damping",),
 }
+TORQUE = "scenario.engine.torque"  # what the plant takes
 
 
 def drawn(view: View) -> list[Json]:
@@ -85,7 +86,9 @@ def _band(view: View, value: np.ndarray, deviation: np.ndarray) -> list[Json]:
 
 
 def injected(view: View, component: str, key: str) -> float | None:
-    """Return the error that the observer's parameters have beside the plant's; None if unknown."""
+    """Return the error that an observer's parameters or measurements have; None if unknown."""
+    if key in ("torqueScale", "torqueBias"):
+        return _misread(view, component, key)
     told = view.run.get("parameters", {})
     try:
         true, believed = (
@@ -94,6 +97,15 @@ def injected(view: View, component: str, key: str) -> float | None:
     except KeyError:
         return None
     return true / believed - 1 if believed else None
+
+
+def _misread(view: View, component: str, key: str) -> float | None:
+    """Return what undoes the factor and offset of the connection that feeds the engine torque."""
+    for entry in view.run.get("system", {}).get("connections", []):
+        if entry["to"] == f"{component}.engine.torque" and entry["from"] == TORQUE:
+            factor, offset = entry.get("factor", 1.0), entry.get("offset", 0.0)
+            return 1 / factor - 1 if key == "torqueScale" else -offset / factor
+    return None
 
 
 def _figure(view: View, component: str, panels: list[Json]) -> Json:
