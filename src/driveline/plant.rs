@@ -187,7 +187,7 @@ impl Plant {
         rate: &InputRate,
         mut report: impl FnMut(f64, [Mode; 6], [Mode; 6]),
     ) {
-        if !self.step_quietly(p, ladders.of(p, self.coupling()), input, rate) {
+        if !self.step_quietly(p, ladders, input, rate) {
             self.step_in_blocks(p, ladders, input, rate, &mut report);
         }
     }

@@ -21,6 +21,7 @@
 //! packed: see `rung/loss.rs`.
 
 pub(crate) mod builder;
+pub(crate) mod held;
 mod lanes;
 mod loss;
 mod series;
@@ -31,12 +32,11 @@ use crate::plant::matrices::{
     C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
 };
 use crate::rung::builder::Builder;
+use crate::rung::held::{COMPLIANT, Held, RIGID};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::loss::Loss;
 pub use crate::rung::start::Start;
-use crate::rung::start::{
-    BUILT, CLUTCH_RAMPS, CLUTCHES, CORE, ENTRIES, Entries, RAMPS, SHAFTS, TORQUE, moving,
-};
+use crate::rung::start::{BUILT, ENTRIES, Entries, RAMPS, moving};
 
 /// First row of the angles.
 pub(crate) const ANGLE: usize = STATES;
@@ -181,8 +181,7 @@ impl Rung {
     }
 
     /// The entries of a start whose torques have no ramps.
-    #[inline(always)]
-    pub(crate) fn entries(&self, x: &State, v: &Torques) -> Entries {
+    fn entries(&self, x: &State, v: &Torques) -> Entries {
         let v = &v.data.0[0];
         let Lanes([twist_d, twist_o, damper, drive, shafts @ ..]) =
             moving(&x.data.0[0], self.ratio);
@@ -195,7 +194,7 @@ impl Rung {
 
     /// Motion from a start; torques of clutches and ramps that are zero cost nothing.
     pub fn motion(&self, start: &Start) -> Motion {
-        let mut motion = self.motion_held(&start.x, &start.entries);
+        let mut motion = self.motion_held(start);
         for entry in RAMPS {
             if start.entries[entry] != 0.0 {
                 add(&mut motion.0, &self.columns[entry], start.entries[entry]);
@@ -204,58 +203,24 @@ impl Rung {
         motion
     }
 
-    /// Motion from a state and [`Self::entries`], as if no torque had a ramp.
+    /// Motion from a start, as if no torque had a ramp.
     #[inline(never)] // a function of its own has registers for it
-    pub(crate) fn motion_held(&self, x: &State, z: &Entries) -> Motion {
-        let (t, x) = (self.t, &x.data.0[0]);
-        let angles = [x[E] * t, x[W] * t];
-        let moments = [0.5 * t * angles[1], 0.5 * t * angles[0]];
-        let mut rows = [0.0; ALL];
-        rows[6..MAIN].copy_from_slice(&[angles[0], angles[1], moments[0], moments[1]]);
+    fn motion_held(&self, start: &Start) -> Motion {
         if self.rigid {
-            let mut main = [0.0; MAIN];
-            main.copy_from_slice(&rows[..MAIN]);
-            self.add_core(&mut main, z);
-            rows[..MAIN].copy_from_slice(&main);
-            (rows[MAIN], rows[MAIN + 1]) = (self.ratio[0] * main[2], self.ratio[1] * main[2]);
+            let held = Held::<RIGID>::new(self, &start.x, start.entries.first());
+            let shafts = self.ratio.map(|ratio| ratio * held.rows[2]);
+            let mut rows = [0.0; ALL];
+            rows[..MAIN].copy_from_slice(&held.rows);
+            rows[MAIN..MAIN + 2].copy_from_slice(&shafts);
+            Motion(rows)
         } else {
-            let held = rows;
-            rows = self.columns[SHAFTS].map(|entry| entry * z[SHAFTS]);
-            let columns = self.columns[SHAFTS + 1..].iter();
-            for (column, z) in columns.zip(&z[SHAFTS + 1..CLUTCH_RAMPS]) {
-                add(&mut rows, column, *z);
-            }
-            self.add_core(&mut rows, z);
-            for row in 6..MAIN {
-                rows[row] += held[row];
-            }
-        }
-        Motion(rows)
-    }
-
-    /// Adds what the entries before those of the shafts do, without ramps.
-    #[inline(always)]
-    fn add_core<const N: usize>(&self, rows: &mut [f64; N], z: &Entries) {
-        for (column, z) in self.columns[..CORE].iter().zip(&z.0) {
-            add(rows, column, *z);
-        }
-        for (column, z) in self.columns[CLUTCHES..SHAFTS].iter().zip(&z[CLUTCHES..]) {
-            if *z != 0.0 {
-                add(rows, column, *z);
-            }
+            Motion(Held::<COMPLIANT>::new(self, &start.x, start.entries.first()).rows)
         }
     }
 
     /// Adds what a ramp [N·m/s] of torque `q` of T_e, T_c1, T_c2, T_v does to a motion without it.
     pub fn add_ramp(&self, motion: &mut Motion, q: usize, ramp: f64) {
         add(&mut motion.0, &self.columns[RAMPS[q]], ramp);
-    }
-
-    /// x(t) with a ramp of the load [N·m/s] added to the motion.
-    #[inline(never)] // a function of its own has registers for it
-    pub(crate) fn end_under(&self, motion: &mut Motion, x: &State, load_ramp: f64) -> State {
-        add(&mut motion.0, &self.columns[RAMPS[3]], load_ramp);
-        motion.end(x)
     }
 
     /// Change of the state by an entry alone, shape (10).
@@ -283,44 +248,22 @@ impl Rung {
     ///
     /// `motion`: the motion from the start.
     pub fn work(&self, start: &Start, motion: &Motion) -> Torques {
-        let (z, mut work) = (
-            &start.entries,
-            self.work_held(&start.x, &start.entries, motion),
-        );
-        work[0] += start.ramp(0) * motion.0[9];
+        let (z, x) = (&start.entries, &start.x);
+        let friction = |i: usize| match start.torque(1 + i) {
+            0.0 => 0.0,
+            torque => torque * self.worked_angle(x, z, i),
+        };
+        let engine = start.torque(0) * motion.0[6] + start.ramp(0) * motion.0[9];
+        let load = start.torque(3) * motion.0[7] + start.ramp(3) * motion.0[8];
+        let mut work = Torques::from([engine, friction(0), friction(1), load]);
         for i in [0, 1] {
             let ramp = start.ramp(1 + i);
             if ramp != 0.0 {
-                let moment = 0.5 * self.t * self.t * self.worked_speed(&start.x, i);
+                let moment = 0.5 * self.t * self.t * self.worked_speed(x, i);
                 work[1 + i] += ramp * (moment + dot(&self.slips[2 + i], z));
             }
         }
         work
-    }
-
-    /// The same as if no torque but T_v had a ramp.
-    #[inline(always)]
-    pub(crate) fn work_held(&self, x: &State, z: &Entries, motion: &Motion) -> Torques {
-        let [_, _, _, _, _, _, angle_e, angle_w, moment_w, ..] = motion.0;
-        let friction = |i: usize| {
-            let torque = z[CLUTCHES + i];
-            if torque == 0.0 {
-                return 0.0;
-            }
-            torque * self.worked_angle(x, z, i)
-        };
-        Torques::from([
-            z[TORQUE[0]] * angle_e,
-            friction(0),
-            friction(1),
-            z[TORQUE[3]] * angle_w + z[RAMPS[3]] * moment_w,
-        ])
-    }
-
-    /// ∫ of what T_c1 or T_c2 works on [rad].
-    #[inline(never)] // only slipping clutches need it
-    fn worked_angle(&self, x: &State, z: &Entries, i: usize) -> f64 {
-        self.worked_speed(x, i) * self.t + dot(&self.slips[i], z)
     }
 
     /// What T_c1 or T_c2 works on [rad/s].
@@ -335,11 +278,5 @@ impl Rung {
     /// Energy lost in dampers and meshes from a start [J].
     pub fn viscous_loss(&self, start: &Start) -> f64 {
         self.loss.of(&start.entries, self.rigid, start.x[O])
-    }
-
-    /// The same as if no torque but T_v had a ramp.
-    #[inline(always)]
-    pub(crate) fn viscous_loss_held(&self, x: &State, z: &Entries) -> f64 {
-        self.loss.of_held(z, self.rigid, x[O])
     }
 }

@@ -38,40 +38,49 @@ impl RoadParams {
     /// Returns its slope by ω_w [N·m·s/rad] as well.
     #[inline(always)]
     pub(crate) fn smooth_load(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        self.load_by(omega_w, grade, |ratio| grade.direction_at(ratio))
+        if self.v_eps > 0.0 {
+            return self.smeared_load(omega_w, grade, |ratio| grade.direction_at(ratio));
+        }
+        let (force, slope) = self.flowing(self.r_w * omega_w, grade);
+        (self.r_w * force, self.r_w * self.r_w * slope)
     }
 
-    /// The same at the wheel speed that the grade was travelled at.
+    /// The same at the wheel speed that the grade was travelled at; V_ε > 0.
     #[inline(always)]
-    pub(crate) fn smooth_load_here(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        self.load_by(omega_w, grade, |_| grade.direction)
+    pub(crate) fn smeared_load_here(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        self.smeared_load(omega_w, grade, |_| grade.direction)
     }
 
-    /// The same at a wheel speed near that which the grade was travelled at.
+    /// The same at a wheel speed near that which the grade was travelled at; V_ε > 0.
     #[inline(always)]
-    pub(crate) fn smooth_load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        self.load_by(omega_w, grade, |ratio| grade.direction_near(ratio))
+    pub(crate) fn smeared_load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        self.smeared_load(omega_w, grade, |ratio| grade.direction_near(ratio))
     }
 
     /// `direction`: tanh of V/V_ε.
     #[inline(always)]
-    fn load_by(
+    fn smeared_load(
         &self,
         omega_w: f64,
         grade: &Grade,
         direction: impl FnOnce(f64) -> f64,
     ) -> (f64, f64) {
         let v = self.r_w * omega_w;
+        let (force, slope) = self.flowing(v, grade);
+        let roll = self.weight() * grade.cos * self.c_rr;
+        let direction = direction(v / self.v_eps);
+        let roll_slope = roll * (1.0 - direction * direction) / self.v_eps;
+        (
+            self.r_w * (force + roll * direction),
+            self.r_w * self.r_w * (slope + roll_slope),
+        )
+    }
+
+    /// Grade and drag [N], and the slope of both over V [N·s/m].
+    #[inline(always)]
+    fn flowing(&self, v: f64, grade: &Grade) -> (f64, f64) {
         let drag = 0.5 * self.rho_air * self.a_v * self.c_drag * v.abs();
-        let (mut force, mut slope) = (self.weight() * grade.sin + drag * v, 2.0 * drag);
-        if self.v_eps > 0.0 {
-            let roll = self.weight() * grade.cos * self.c_rr;
-            let ratio = v / self.v_eps;
-            let direction = direction(ratio);
-            force += roll * direction;
-            slope += roll * (1.0 - direction * direction) / self.v_eps;
-        }
-        (self.r_w * force, self.r_w * self.r_w * slope)
+        (self.weight() * grade.sin + drag * v, 2.0 * drag)
     }
 
     /// Rolling resistance that is dry friction [N·m], ≥ 0; 0 where V_ε smooths it.
@@ -266,7 +275,7 @@ mod tests {
             grade.travel(&road, omega_w);
             for change in [-0.3, -0.1, -0.05, -1e-9, 0.0, 0.02, 0.0999, 5.0] {
                 let omega_w = (ratio + change) * road.v_eps / road.r_w;
-                let (near, near_slope) = road.smooth_load_near(omega_w, &grade);
+                let (near, near_slope) = road.smeared_load_near(omega_w, &grade);
                 let (load, slope) = road.smooth_load(omega_w, &grade);
                 assert!((near - load).abs() < 1e-12, "{ratio} {change}");
                 assert!((near_slope - slope).abs() < 1e-11, "{ratio} {change}");

@@ -5,68 +5,114 @@
 //! answer, nothing is done and the step is taken there.
 
 use crate::Params;
+use crate::coupling::Ladders;
 use crate::integrate::{Propagators, Rung};
 use crate::plant::Plant;
 use crate::plant::block::{LOAD, load_ramp, torques};
-use crate::plant::matrices::{C, D, Row, SPEEDS, State, Systems, Torques, W, slip};
+use crate::plant::matrices::{C, D, State, Systems, Torques, W};
 use crate::plant::mesh::Meshes;
-use crate::plant::modes::{Mode, ZERO_SLIP, stuck_set};
+use crate::plant::modes::{Mode, ZERO_SLIP, project, stuck_set};
 use crate::plant::ports::{Input, InputRate};
-use crate::rung::start::{Entries, RAMPS, TORQUE};
+use crate::rung::held::{COMPLIANT, Held, RIGID};
+use crate::rung::start::{RAMPS, TORQUE};
 use crate::rung::watch::Watch;
 
 /// The ordinary step, from its start to its end.
-struct Quiet<'a> {
+struct Quiet<'a, const N: usize> {
     rung: &'a Rung,
-    z: &'a Entries,
-    x_end: &'a State,
+    set: usize,
+    x: &'a State,
+    held: &'a Held<N>,
 }
 
 impl Plant {
-    /// Takes the step of the propagators, if it is plain that it holds no event; returns whether it did.
+    /// Takes the step of the ladders, if it is plain that it holds no event; returns whether it did.
     #[inline(always)]
     pub(crate) fn step_quietly(
         &mut self,
         p: &Params,
-        propagators: &Propagators,
+        ladders: &mut impl Ladders,
         input: &Input,
         rate: &InputRate,
     ) -> bool {
         if !self.is_plain(p, input, rate) {
             return false;
         }
+        let propagators = ladders.of(p, self.gear.into());
         self.grade.become_of(input.phi);
+        let (rung, _) = propagators.longest(stuck_set(self.modes));
+        if rung.is_rigid() {
+            self.take::<RIGID>(p, propagators, input)
+        } else {
+            self.take::<COMPLIANT>(p, propagators, input)
+        }
+    }
+
+    /// Takes a step of which only the clutches may say that it holds an event; returns whether it did.
+    #[inline(never)] // a function of its own has registers for it
+    fn take<const N: usize>(
+        &mut self,
+        p: &Params,
+        propagators: &Propagators,
+        input: &Input,
+    ) -> bool {
         let (set, systems) = (stuck_set(self.modes), &propagators.systems);
         let (rung, watches) = propagators.longest(set);
         self.grade.travel(&p.road, self.x[W]);
-        let here = p.road.smooth_load_here(self.x[W], &self.grade);
-        let (t_v, _) = here;
-        let v = torques(p, self.modes, [1.0; 2], input.t_e, input.force, t_v);
-        let mut z = rung.entries(&self.x, &v);
-        let mut motion = rung.motion_held(&self.x, &z);
-        z[RAMPS[LOAD]] = load_ramp(rung, here, motion.wheel_speed_change(), |change| {
-            p.road.smooth_load_near(self.x[W] + change, &self.grade)
+        let here = p.road.smeared_load_here(self.x[W], &self.grade);
+        let z = Held::entries(rung, &self.x, [input.t_e, here.0], self.friction(p, input));
+        let mut held = Held::<N>::new(rung, &self.x, z);
+        let ramp = load_ramp(rung, here, held.wheel_speed_change(), |change| {
+            p.road.smeared_load_near(self.x[W] + change, &self.grade)
         });
-        let x_end = rung.end_under(&mut motion, &self.x, z[RAMPS[LOAD]]);
+        held.add_load_ramp(rung, ramp);
         let step = Quiet {
             rung,
-            z: &z,
-            x_end: &x_end,
+            set,
+            x: &self.x,
+            held: &held,
         };
         let quiet = [0, 1]
             .into_iter()
             .all(|i| self.is_quiet(p, input, i, &step, &watches[i], systems));
         if quiet {
-            let work = rung.work_held(&self.x, &z, &motion);
-            self.work.engine += work[0];
-            self.work.friction = [0, 1].map(|i| self.work.friction[i] + work[1 + i]);
-            self.work.load += work[3];
-            self.work.viscous += rung.viscous_loss_held(&self.x, &z);
-            self.x = x_end;
-            self.hold_ratios(systems.rigid_ratio);
-            remove_slip(systems, set, &mut self.x);
+            self.arrive(rung, &held, systems, set);
         }
         quiet
+    }
+
+    /// Friction torques of slipping clutches [N·m], shape (2).
+    #[inline(always)]
+    fn friction(&self, p: &Params, input: &Input) -> [f64; 2] {
+        if self.modes.map(Mode::direction) == [0.0; 2] {
+            return [0.0; 2];
+        }
+        let v = torques(p, self.modes, [1.0; 2], 0.0, input.force, 0.0);
+        [v[1], v[2]]
+    }
+
+    /// Books a step and takes its end.
+    #[inline(always)]
+    fn arrive<const N: usize>(
+        &mut self,
+        rung: &Rung,
+        held: &Held<N>,
+        systems: &Systems,
+        set: usize,
+    ) {
+        let [engine, load] = held.work();
+        self.work.engine += engine;
+        self.work.load += load;
+        self.work.viscous += held.viscous_loss(rung, &self.x);
+        if let Some([one, two]) = held.friction_work(rung, &self.x) {
+            self.work.friction[0] += one;
+            self.work.friction[1] += two;
+        }
+        held.end(rung, &mut self.x);
+        if N == COMPLIANT {
+            self.hold_ratios(systems.rigid_ratio);
+        }
+        remove_slip(systems, set, &mut self.x);
     }
 
     /// Whether no part but the clutches may have an event, and what acts on them is held.
@@ -84,12 +130,12 @@ impl Plant {
 
     /// Whether clutch `i` plainly stays what it is from one end of the step to the other.
     #[inline(always)]
-    fn is_quiet(
+    fn is_quiet<const N: usize>(
         &self,
         p: &Params,
         input: &Input,
         i: usize,
-        step: &Quiet,
+        step: &Quiet<'_, N>,
         watch: &Watch,
         systems: &Systems,
     ) -> bool {
@@ -97,24 +143,24 @@ impl Plant {
         if self.modes[i] == Mode::Open {
             return force <= 0.0;
         }
-        let [start, end, rate] = watch.read(step.z, step.rung.is_rigid());
-        let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
         if self.modes[i] == Mode::Stuck {
             let reach = clutch.mu_s * clutch.r_c_n * force;
+            let [start, end, rate] = watch.read(&step.held.z);
             return force > 0.0
                 && start.abs() < reach
                 && end.abs() < reach
                 && (start.abs() + rate.abs() * t <= reach
-                    || rate * step.rate_at_end(&rows.torque_rate[i], Some(&rows.torque[i]))
-                        >= 0.0);
+                    || rate * step.torque_rate_at_end(systems, i) >= 0.0);
         }
         let direction = self.modes[i].direction();
-        let [slip, slip_end] = [&self.x, step.x_end].map(|x| direction * (x[D] - x[C + i]));
+        let slip = direction * (self.x[D] - self.x[C + i]);
+        let slip_end = slip + direction * step.held.slip_change(step.rung, i);
+        let rate = watch.rate(&step.held.z);
         force > 0.0
             && slip > ZERO_SLIP
             && slip_end >= 0.0
             && (slip + direction * rate * t >= 0.0
-                || direction * step.rate_at_end(&rows.slip_rate[i], None) <= 0.0)
+                || direction * step.slip_rate_at_end(systems, i) <= 0.0)
     }
 
     /// Books the work of the torques.
@@ -132,30 +178,43 @@ impl Plant {
     }
 }
 
-impl Quiet<'_> {
-    /// What a row that reads a rate reads at the end; `by_ramp`: what reads the part of it from the load's ramp.
+impl<const N: usize> Quiet<'_, N> {
+    /// Rate of the torque of engaged clutch `i` at the end [N·m/s].
     #[cold]
     #[inline(never)]
-    fn rate_at_end(&self, row: &Row, by_ramp: Option<&Row>) -> f64 {
-        let (z, ramp) = (self.z, self.z[RAMPS[LOAD]]);
-        let v = TORQUE.map(|at| z[at]);
-        let v = Torques::from([v[0], v[1], v[2], v[3] + ramp * self.rung.t]);
-        row.of(self.x_end, &v) + by_ramp.map_or(0.0, |row| row.of_torque(LOAD, ramp))
+    fn torque_rate_at_end(&self, systems: &Systems, i: usize) -> f64 {
+        let ((x, v), rows) = (self.end(), &systems.by_stuck[self.set].rows);
+        let by_ramp = rows.torque[i].of_torque(LOAD, self.held.z[RAMPS[LOAD]]);
+        rows.torque_rate[i].of(&x, &v) + by_ramp
+    }
+
+    /// Rate of the slip of clutch `i` at the end [rad/s²].
+    #[cold]
+    #[inline(never)]
+    fn slip_rate_at_end(&self, systems: &Systems, i: usize) -> f64 {
+        let (x, v) = self.end();
+        systems.by_stuck[self.set].rows.slip_rate[i].of(&x, &v)
+    }
+
+    /// State and torques at the end.
+    fn end(&self) -> (State, Torques) {
+        let (z, mut x) = (&self.held.z, *self.x);
+        self.held.end(self.rung, &mut x);
+        let mut v = Torques::from(TORQUE.map(|at| z[at]));
+        v[LOAD] += z[RAMPS[LOAD]] * self.rung.t;
+        (x, v)
     }
 }
 
-/// Removes what round-off left of the slip of engaged clutches; momentum is kept.
+/// Removes what round-off left of the slip of engaged clutches: of both by impulses that keep momentum, of one
+/// with that of the damper's side, which is as small.
 #[inline(always)]
 fn remove_slip(systems: &Systems, set: usize, x: &mut State) {
-    let slip = slip(x);
-    let impulse = &systems.by_stuck[set].projection;
-    for i in [0, 1] {
-        if set >> i & 1 == 1 {
-            let column = &impulse.data.0[i];
-            for speed in 0..SPEEDS {
-                x[speed] -= column[speed] * slip[i];
-            }
-        }
+    match set {
+        0 => {}
+        1 => x[D] = x[C],
+        2 => x[D] = x[C + 1],
+        _ => project(systems, set, x),
     }
 }
 
@@ -189,7 +248,7 @@ mod tests {
         for _ in 0..steps {
             let mut other = plant;
             let held = InputRate::default();
-            let quiet = plant.step_quietly(p, &propagators, input, &held);
+            let quiet = plant.step_quietly(p, &mut propagators, input, &held);
             plain += u32::from(quiet);
             other.step(p, &mut propagators, input, &BY_BLOCKS);
             if !quiet {
@@ -235,9 +294,9 @@ mod tests {
         };
         let plant = Plant::start(&p, &input, 90.0, 2.0);
         let plain = |plant: Plant, p: &Params, input: &Input, rate: &InputRate| {
-            let propagators = Propagators::new(p, plant.coupling(), 1e-3);
+            let mut propagators = Propagators::new(p, plant.coupling(), 1e-3);
             let mut after = plant;
-            let plain = after.step_quietly(p, &propagators, input, rate);
+            let plain = after.step_quietly(p, &mut propagators, input, rate);
             after.grade = plant.grade; // what is known of the road is no part of the state
             assert!(plain || after == plant);
             plain

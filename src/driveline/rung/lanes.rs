@@ -9,6 +9,13 @@ pub(crate) struct Lanes<const N: usize>(pub(crate) [f64; N]);
 
 impl<const N: usize> Lanes<N> {
     pub(crate) const ZERO: Self = Self([0.0; N]);
+
+    /// The first of them.
+    #[inline(always)]
+    pub(crate) fn first<const M: usize>(&self) -> Lanes<M> {
+        let Self(all) = *self;
+        Lanes(core::array::from_fn(|k| all[k]))
+    }
 }
 
 impl<const N: usize> Deref for Lanes<N> {
@@ -39,6 +46,12 @@ pub(crate) fn add<const N: usize, const M: usize>(
     for (sum, entry) in sum.iter_mut().zip(column) {
         *sum += entry * scale;
     }
+}
+
+/// [`dot`] by itself: of several that lie side by side the compiler would make one with more moves than sums.
+#[inline(never)]
+pub(crate) fn dot_apart<const N: usize, const M: usize>(a: &Lanes<N>, b: &Lanes<M>) -> f64 {
+    dot(a, b)
 }
 
 /// Σ a b of an even number of entries, the shorter one's, in two lanes.

@@ -7,6 +7,7 @@
 //! What a gear mesh loses grows with ω_o itself, and not with differences of speeds alone: with ω_o(0) times
 //! a row that reads the torque in the mesh.
 
+use crate::rung::held::{COMPLIANT, RIGID};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::start::{BUILT, CLUTCH_RAMPS, CLUTCHES, ENTRIES, Entries, SHAFTS};
 
@@ -57,65 +58,51 @@ impl Loss {
         self.meshes_lose = output.0 != [0.0; ENTRIES];
     }
 
-    /// The loss [J] where T_e, T_c1 and T_c2 have no ramps; `rigid`: without entries of shafts; `omega_o`: output
-    /// speed [rad/s].
-    #[inline(always)]
-    pub(crate) fn of_held(&self, z: &Entries, rigid: bool, omega_o: f64) -> f64 {
-        let mut loss = if rigid {
-            self.of_rigid(z)
-        } else {
-            self.of_compliant(z)
-        };
+    /// The loss [J] where T_e, T_c1 and T_c2 have no ramps.
+    ///
+    /// `z`: first entries of a start. `sliding`: T_c1 or T_c2 is not zero. `omega_o`: output speed [rad/s].
+    #[inline(never)] // a function of its own has registers for it
+    pub(crate) fn of_held<const N: usize>(&self, z: &Lanes<N>, sliding: bool, omega_o: f64) -> f64 {
+        let (mut sum, Lanes(ramp)) = (Lanes::<N>::ZERO, self.ramps[0]);
+        for (sum, entry) in sum.iter_mut().zip(ramp) {
+            *sum = entry * z[LOAD_RAMP];
+        }
+        for (column, z) in self.torques.iter().zip(&z[FIRST_TORQUE..]) {
+            add(&mut sum, column, *z);
+        }
+        for (column, z) in self.states.iter().zip(&z.0) {
+            add(&mut sum, column, *z);
+        }
+        if N == COMPLIANT {
+            for (column, z) in self.shafts.iter().zip(&z[SHAFTS..]) {
+                add(&mut sum, column, *z);
+            }
+        }
+        if sliding {
+            for (column, z) in self.clutches.iter().zip(&z[CLUTCHES..SHAFTS]) {
+                add(&mut sum, column, *z);
+            }
+        }
+        let loss = dot(&sum, z);
         if self.meshes_lose {
-            loss += omega_o * dot(&self.output, z);
+            return loss + omega_o * dot(&self.output, z);
         }
         loss
     }
 
-    /// The loss [J]; arguments as of [`Self::of_held`].
+    /// The loss [J]; `rigid`: without entries of shafts, `omega_o`: output speed [rad/s].
     pub(crate) fn of(&self, z: &Entries, rigid: bool, omega_o: f64) -> f64 {
         let by_engine = z[ENGINE_RAMP] * dot(&self.ramps[1], z);
         let ramps = self.clutch_ramps.iter().zip(&z[CLUTCH_RAMPS..]);
         let by_clutches: f64 = ramps.map(|(column, ramp)| ramp * dot(column, z)).sum();
-        self.of_held(z, rigid, omega_o) + by_engine + by_clutches
-    }
-
-    #[inline(never)] // a function of its own has registers for it
-    fn of_rigid(&self, z: &Entries) -> f64 {
-        let (mut sum, Lanes(ramp)) = (Lanes::<SHAFTS>::ZERO, self.ramps[0]);
-        for (sum, entry) in sum.iter_mut().zip(ramp) {
-            *sum = entry * z[LOAD_RAMP];
-        }
-        self.add_core(z, &mut sum);
-        dot(&sum, z)
-    }
-
-    #[inline(never)]
-    fn of_compliant(&self, z: &Entries) -> f64 {
-        let [first, others @ ..] = &self.shafts;
-        let mut sum = Lanes(first.map(|entry| entry * z[SHAFTS]));
-        for (column, z) in others.iter().zip(&z[SHAFTS + 1..]) {
-            add(&mut sum, column, *z);
-        }
-        add(&mut sum, &self.ramps[0], z[LOAD_RAMP]);
-        self.add_core(z, &mut sum);
-        dot(&sum, z)
-    }
-
-    /// Adds the columns before those of the shafts but for T_v'.
-    #[inline(always)]
-    fn add_core<const N: usize>(&self, z: &Entries, sum: &mut Lanes<N>) {
-        for (column, z) in self.clutches.iter().zip(&z[CLUTCHES..]) {
-            if *z != 0.0 {
-                add(sum, column, *z);
-            }
-        }
-        for (column, z) in self.torques.iter().zip(&z[FIRST_TORQUE..]) {
-            add(sum, column, *z);
-        }
-        for (column, z) in self.states.iter().zip(&z.0) {
-            add(sum, column, *z);
-        }
+        let ramps = self.output[CLUTCH_RAMPS..].iter().zip(&z[CLUTCH_RAMPS..]);
+        let by_output: f64 = ramps.map(|(entry, ramp)| entry * ramp).sum();
+        let held = if rigid {
+            self.of_held::<RIGID>(&z.first(), true, omega_o)
+        } else {
+            self.of_held::<COMPLIANT>(&z.first(), true, omega_o)
+        };
+        held + by_engine + by_clutches + omega_o * by_output
     }
 }
 

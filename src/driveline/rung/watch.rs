@@ -3,8 +3,8 @@
 use crate::integrate::Rung;
 use crate::plant::matrices::{Rows, State};
 use crate::rung::RAMP;
-use crate::rung::lanes::{Lanes, dot};
-use crate::rung::start::{CLUTCH_RAMPS, COLUMNS, Entries, SHAFTS};
+use crate::rung::lanes::{Lanes, dot_apart};
+use crate::rung::start::{CLUTCH_RAMPS, COLUMNS};
 
 /// Rows for a clutch: its torque at the start and at the end of the rung [N·m], and at the start the rate of that
 /// torque [N·m/s] where it is engaged, else that of its slip [rad/s²].
@@ -40,21 +40,15 @@ impl Watch {
         ])
     }
 
-    /// What the rows read from the entries of a start without ramps of clutches; `rigid`: without those of shafts.
-    #[inline(never)] // a function of its own has registers for it
-    pub(crate) fn read(&self, z: &Entries, rigid: bool) -> [f64; 3] {
-        if rigid {
-            self.sums::<SHAFTS>(z)
-        } else {
-            self.sums::<CLUTCH_RAMPS>(z)
-        }
+    /// What the rows read from the first entries of a start.
+    #[inline(always)]
+    pub(crate) fn read<const N: usize>(&self, z: &Lanes<N>) -> [f64; 3] {
+        [0, 1, 2].map(|row| dot_apart(&self.0[row], z))
     }
 
-    #[inline(always)]
-    fn sums<const N: usize>(&self, z: &Entries) -> [f64; 3] {
-        let Lanes(z) = *z;
-        let z = Lanes::<N>(core::array::from_fn(|k| z[k]));
-        [0, 1, 2].map(|row| dot(&self.0[row], &z))
+    /// The rate alone.
+    pub(crate) fn rate<const N: usize>(&self, z: &Lanes<N>) -> f64 {
+        dot_apart(&self.0[2], z)
     }
 }
 
@@ -63,6 +57,7 @@ mod tests {
     use crate::Params;
     use crate::integrate::{LADDER, Propagators};
     use crate::plant::matrices::{State, Torques};
+    use crate::rung::held::{COMPLIANT, RIGID};
 
     #[test]
     fn it_reads_what_the_rows_read_at_both_ends() {
@@ -103,7 +98,11 @@ mod tests {
                         rows.torque[i].of(&x_end, &v_end),
                         rate,
                     ];
-                    let found = watches[i].read(&start.entries, rigid);
+                    let found = if rigid {
+                        watches[i].read::<RIGID>(&start.entries.first())
+                    } else {
+                        watches[i].read::<COMPLIANT>(&start.entries.first())
+                    };
                     for (found, wanted) in found.iter().zip(wanted) {
                         let apart = (found - wanted).abs();
                         assert!(apart < 1e-9 * wanted.abs().max(1.0), "{found} {wanted}");
