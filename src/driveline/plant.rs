@@ -58,6 +58,8 @@ mod gear;
 mod late;
 pub mod matrices;
 pub mod mesh;
+mod mesh_rigid;
+mod mobility;
 pub mod modes;
 mod outputs;
 mod ports;
@@ -158,6 +160,9 @@ impl Plant {
         plant.resolve_meshes(p, &none);
         plant.resolve_brake(p, input, &held, &none);
         plant.resolve(p, systems, input, &held, &none);
+        if plant.has_rigid_meshes(p) {
+            plant.guess_rigid_meshes(p, systems, input);
+        }
         plant
     }
 
@@ -310,6 +315,10 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
+        if self.has_rigid_meshes(p) {
+            self.resolve_rigid(p, ladders, input, rate, event);
+            return;
+        }
         self.resolve_meshes(p, event);
         self.resolve_brake(p, input, rate, event);
         let systems = &ladders.of(p, self.coupling()).systems;
@@ -329,12 +338,13 @@ impl Plant {
             return;
         }
         if event.reached != [false; 2] {
-            let reached = event.reached.map(usize::from);
-            project(
-                systems,
-                stuck_set(self.modes) | reached[0] | reached[1] << 1,
-                &mut self.x,
+            let (before, reached) = (
+                systems.stored_energy(&self.x),
+                event.reached.map(usize::from),
             );
+            let set = stuck_set(self.modes) | reached[0] | reached[1] << 1;
+            project(systems, set, &mut self.x);
+            self.work.viscous += before - systems.stored_energy(&self.x); // its impulse goes through the meshes
         }
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);

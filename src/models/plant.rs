@@ -266,7 +266,6 @@ impl Model for Plant {
     fn consistent(&self) -> Result<(), Failure> {
         check_maps(&self.p)?;
         lining::check_curves(&self.p)?;
-        efficiency::check_efficiencies(&self.p)?;
         thermal::check_thermal(&self.p)
     }
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from hybrid import Simulation
 from meshes import LossySimulation
 from reference_plant import Params, Plant
+from rigid_meshes import RigidLossySimulation
 from scenarios import Scenario, continuous_pieces, held_pieces
 from shifts import ShiftingSimulation
 from thermal import HeatedSimulation
@@ -47,7 +48,8 @@ class Case:
         params = Params(rigid=self.rigid, **self.params)
         run = self.scenario, self.engine_speed, self.vehicle_speed, stages
         if params.lossy:
-            return LossySimulation(params, self.gears, *run)
+            kind = RigidLossySimulation if self.rigid else LossySimulation
+            return kind(params, self.gears, *run)
         if len(self.gears) > 1:
             return ShiftingSimulation(params, self.gears, *run)
         kind = Simulation if params.heat is None else HeatedSimulation

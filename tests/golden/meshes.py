@@ -17,13 +17,11 @@ NUMBER = {None: 1, 1: 2, -1: 2, 0: 3}
 
 
 class LossySimulation(ShiftingSimulation):
-    """`ShiftingSimulation` with the efficiencies of `Params`; the compliant plant only."""
+    """`ShiftingSimulation` with the efficiencies of `Params`; the compliant plant."""
 
     guards = MESH + 3
 
     def __init__(self, params, *args):
-        if params.rigid:
-            raise ValueError("gears of the rigid reference lose no power")
         self.load, self.turns = [0, 0], None  # turns: sgn omega_o, 0 jammed, None: no loss
         super().__init__(params, *args)
 
@@ -62,7 +60,7 @@ class LossySimulation(ShiftingSimulation):
         speed = self._output_speed(self.x)
         if not stands and self.turns != 0 and abs(speed) > ZERO_SLIP:
             return int(np.sign(speed))
-        forward, backward = self._urges(self.x)
+        forward, backward = self._urges(self.x, self._shaft_torques(self.x))
         return 1 if forward > 0 else -1 if backward < 0 else 0
 
     def _output_speed(self, x):
@@ -72,14 +70,18 @@ class LossySimulation(ShiftingSimulation):
         twist, rate, k, c = self.plant.springs[1 + i]
         return x @ (k * twist + c * rate)
 
-    def _urges(self, x):
+    def _shaft_torques(self, x, v=None):
+        """i_f T_t of both shafts [N·m]; of compliant ones the state tells them."""
+        return [self.plant.p.i_f[i] * self._shaft_torque(i, x) for i in range(2)]
+
+    def _urges(self, x, torques):
         """Torque on the output [N·m] if it turned forward, and if it turned backward."""
         rest = -(x @ self.plant.shaft_row)
         for i in range(2):
             rest = rest + self.rub[i] * self._ratio(i) * self.vehicle.t_s[i]
         both = [rest, rest]
         for i in range(2):
-            torque, eta = self.plant.p.i_f[i] * self._shaft_torque(i, x), self.plant.p.eta[i]
+            torque, eta = torques[i], self.plant.p.eta[i]
             both[0] = both[0] + np.minimum(torque * eta, torque / eta)
             both[1] = both[1] + np.maximum(torque * eta, torque / eta)
         return both
@@ -91,12 +93,12 @@ class LossySimulation(ShiftingSimulation):
             return super()._guard(i, xs, v, offset)
         if i < JAM:
             load = self.load[i - MESH] * abs(self.turns or 0)
-            return load * self._shaft_torque(i - MESH, xs) if load else None
+            return load * self._shaft_torques(xs, v)[i - MESH] if load else None
         if self.turns is None:
             return None
         if self.turns:
             return self.turns * self._output_speed(xs)
-        forward, backward = self._urges(xs)
+        forward, backward = self._urges(xs, self._shaft_torques(xs, v))
         return np.minimum(-forward, backward)
 
     def _tolerance(self, i):
@@ -114,6 +116,6 @@ class LossySimulation(ShiftingSimulation):
         elif self.turns:
             self._mesh(time, stands=True)
         else:
-            forward, backward = self._urges(self.x)
+            forward, backward = self._urges(self.x, self._shaft_torques(self.x))
             self._turn(time, 1 if forward + backward > 0 else -1)
         super()._resolve(time, done)

@@ -176,26 +176,56 @@ class Plant:
     def _assemble(self):
         # A spring acts on each inertia through the transpose of its own rate row (virtual work).
         moving = self.mass_matrix > 0
-        inv = np.where(moving, 1 / np.where(moving, self.mass_matrix, 1.0), 0.0)
+        inv = np.where(moving, 1 / np.where(moving, self._effective_mass(), 1.0), 0.0)
         inv = np.where(self.unit["o"] > 0, 0.0, inv) if self.jammed else inv
         self.inv_mass = inv
         self.a0 = np.zeros((self.n, self.n))
         for (twist, rate, k, c), lost in zip(self.springs, self._losses(), strict=True):
             self.a0 += np.outer(twist, rate) - np.outer(inv * (rate + lost), k * twist + c * rate)
-        acts = [self.unit["e"], -self.slip[0], -self.slip[1], -self.unit["w"]]
+        acts = [self.unit["e"], *(self._clutch_action(i) for i in range(2)), -self.unit["w"]]
         acts += [-self.rubs[i] * self.synchronised[i] for i in range(2)]
         self.b0 = inv[:, None] * np.column_stack(acts)
         (td, rd, kd, cd), (to, ro, ko, co) = self.springs[0], self.springs[-1]
         self.damper_row = kd * td + cd * rd
         self.shaft_row = ko * to + co * ro
 
+    def _share_lost(self, i):
+        """What the gear of shaft `i` does not pass on, 1 - eta^s."""
+        return 1 - self.p.eta[i] ** self.power[i]
+
+    def _effective_mass(self):
+        """Inertias; a lossy gear of a rigid shaft passes on less of what turns the shaft."""
+        mass = self.mass_matrix.copy()
+        if self.p.rigid:
+            parts = [self._share_lost(i) * self.p.ratio[i] ** 2 * self.p.j_c[i] for i in range(2)]
+            mass -= sum(parts) * self.unit["o"]
+        return mass
+
+    def _clutch_action(self, i):
+        """What a clutch torque acts on: damper and shaft or, if rigid, the output behind it."""
+        lost = self._share_lost(i) * self.p.ratio[i] * self.unit["o"] if self.p.rigid else 0.0
+        return -self.slip[i] - lost
+
     def _losses(self):
         """What is missing of every spring's action on the inertias, per unit of its torque."""
         none = np.zeros(self.n)
         if self.p.rigid:
             return [none] * len(self.springs)
-        missing = [1 - self.p.eta[i] ** self.power[i] for i in range(2)]
+        missing = [self._share_lost(i) for i in range(2)]
         return [none, *(self.p.i_f[i] * missing[i] * self.unit["o"] for i in range(2)), none]
+
+    def mesh_torque(self, i, clutch_torque, output_rate):
+        """i_f T_t of shaft `i` of the rigid plant [N·m], its clutch's torque less what turns it."""
+        g = self.p.ratio[i]
+        return g * (clutch_torque - self.p.j_c[i] * g * output_rate)
+
+    def rigid_mesh_power(self, torques, output_rate, output_speed):
+        """Power lost in the gears of the rigid plant [W]; `torques`: T_c1, T_c2, shape (..., 2)."""
+        parts = (
+            self._share_lost(i) * self.mesh_torque(i, torques[..., i], output_rate)
+            for i in range(2)
+        )
+        return sum(parts) * output_speed
 
     def energy(self, x):
         """Stored energy [J], kinetic and elastic, of `x` with shape (..., n)."""

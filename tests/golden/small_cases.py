@@ -68,6 +68,13 @@ BOTH = _scenario(
 )
 LAUNCH = _scenario([(0, 20), (0.4, 70), (2, 70)], [(0, 0), (0.1, 2), (0.5, 6.4), (2, 6.4)])
 
+TIP_OUT = (
+    _scenario(  # launch on both clutches, then the vehicle drives the engine, then it pulls again
+        [(0, 10), (0.6, 90), (1.8, 90), (1.9, -50), (2.4, -50), (2.5, 60), (2.8, 60)],
+        [(0, 0), (0.2, 2), (0.9, 6), (1.6, 6.4), (1.8, 8), (2.8, 8)],
+        [(0, 0), (0.2, 2.2), (0.8, 5), (1.2, 5), (1.5, 1), (2.8, 0)],
+    )
+)
 SHIFTS = _scenario(  # 1-2-3; reverse is preselected while driving, and its clutch pressed too early
     [(0, 60), (0.5, 60), (1.2, 45), (2, 30), (2.8, 20)],
     [(0, 9), (0.35, 9), (0.6, 4.5), (0.75, 0), (1.2, 0), (1.35, 3.4), (1.7, 6.4), (2, 9), (2.8, 9)],
@@ -173,6 +180,17 @@ SMALL_CASES = (
         **{"gears": ((0, (3, -1)),), "params": GEARBOX, "rigid": True, "row_every": 5e-3},
         scenario_file="launch_both",
         about="rigid plant in gear 3, reverse on the other clutch: they pull against each other",
+    ),
+    Case(
+        *("losses_rigid", TIP_OUT, 2.8, 120.0, 0.0),
+        **{"params": ROLL_BACK, "rigid": True, "row_every": 5e-3},
+        about="rigid plant, gears lose 10 and 5 %: launch on both clutches, tip-out and tip-in",
+    ),
+    Case(
+        *("hill_rigid_losses", HILL, 3.5, 130.0, 0.0),
+        **{"params": ROLL_BACK, "rigid": True, "row_every": 5e-3},
+        scenario_file="hill_start",
+        about="hill_losses with rigid shafts: a roll-back that stops in jammed gears",
     ),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
     Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),

@@ -163,7 +163,8 @@ impl Block {
         Torques::from([0, 1, 2, 3].map(|q| self.start.torque(q) + self.start.ramp(q) * t))
     }
 
-    fn torques_rate(&self) -> Torques {
+    /// v' over the block, shape (4).
+    pub(crate) fn torques_rate(&self) -> Torques {
         Torques::from([0, 1, 2, 3].map(|q| self.start.ramp(q)))
     }
 

@@ -37,6 +37,7 @@ impl Systems {
         by_stuck: [System::EMPTY; 4],
         spring_torque: zeros(),
         viscous: zeros(),
+        mesh_loss: [0.0; 2],
         storage: zeros(),
     };
 }

@@ -25,17 +25,16 @@ use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant::Plant;
 use crate::plant::matrices::{
-    C, O, SPEEDS, State, TWIST_T, Torques, mobility, rigid_ratio, slip_row, synchroniser_row,
+    C, O, SPEEDS, State, TWIST_T, Torques, rigid_ratio, slip_row, synchroniser_row,
 };
 use crate::plant::mesh::Meshes;
+use crate::plant::mobility::{Mobility, mobility};
 use crate::plant::modes::{Guard, Mode, ZERO_SLIP};
 use crate::plant::ports::{Input, InputRate};
 use crate::plant::springs::stored_energy;
 
 /// One constraint per shaft on the six speeds, shape (6, 2); a column of zeros: none.
 type Constraints = SMatrix<f64, SPEEDS, 2>;
-/// Accelerations by torques on the six inertias, shape (6, 6).
-pub(crate) type Mobility = SMatrix<f64, SPEEDS, SPEEDS>;
 
 impl Plant {
     /// Gears that a step with these inputs has: a shaft keeps its gear while its clutch is pressed, and

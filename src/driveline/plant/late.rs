@@ -14,8 +14,8 @@
 use crate::Params;
 use crate::plant::Plant;
 use crate::plant::block::{Block, torques};
-use crate::plant::gear::Mobility;
 use crate::plant::matrices::{SPEEDS, State, Systems, Torques, synchroniser_row};
+use crate::plant::mobility::Mobility;
 use crate::plant::modes::{Event, Guard, stuck_set};
 use crate::plant::ports::Input;
 
@@ -75,7 +75,7 @@ impl Plant {
         if (one > 0.0) == (two > 0.0) || self.modes[i].direction() == 0.0 {
             return;
         }
-        let before = systems.stored_energy(&late.x);
+        let before = systems.stored_energy(&self.x);
         let (v, factor) = (late.torques, self.friction_factor(p));
         let v = torques(p, self.modes, factor, v[0], input.force, v[3]);
         let v = self.with_synchronisers(p, v);

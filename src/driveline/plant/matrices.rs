@@ -5,9 +5,8 @@
 //! d/dt (ω_d − ω_ci) = 0; both engaged is the 2×2 case of the same formula.
 //!
 //! Springs act through the transpose of the row that reads their rate of twist, but where a gear mesh
-//! loses power (`plant/mesh.rs`), and inertias through
-//! the mobility W = Q (Qᵀ J Q)⁻¹ Qᵀ, where speeds = Q·(free speeds). So the rigid variant, with
-//! ω_ci = g_i ω_o, differs from the compliant one in W alone.
+//! loses power (`plant/mesh.rs`), and inertias through the mobility W (`plant/mobility.rs`). The rigid variant,
+//! with ω_ci = g_i ω_o, differs from the compliant one in W alone.
 //!
 //! While a shaft is synchronised its clutch is open, so its entry of v is free: it carries the torque of
 //! the synchroniser, which acts on ω_ci − g_i ω_o in place of the slip.
@@ -16,6 +15,7 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
+use crate::plant::mobility::{Mobility, mobility};
 pub use crate::plant::rows::{Row, Rows};
 use crate::plant::springs::{Spring, spring_torque, springs, storage, viscous};
 
@@ -102,8 +102,10 @@ pub struct Systems {
     pub by_stuck: [System; 4],
     /// Damper, transfer shafts 1 and 2, drive shaft: rows that read their torque, shape (4, 10).
     pub spring_torque: SMatrix<f64, 4, STATES>,
-    /// Power lost in dampers (Σ c·rate²) and gear meshes as a quadratic form of the state, shape (10, 10).
+    /// Power lost in dampers, Σ c·rate², as a quadratic form of the state, shape (10, 10).
     pub viscous: SMatrix<f64, STATES, STATES>,
+    /// 1 − η^s: the share of i_fi T_ti that gears that lose power do not pass on, shape (2).
+    pub(crate) mesh_loss: [f64; 2],
     /// Twice the stored energy is Σ `storage` x², shape (10).
     pub storage: State,
 }
@@ -134,25 +136,43 @@ impl Systems {
     pub fn new(p: &Params, coupling: impl Into<Coupling>) -> Self {
         let coupling = coupling.into();
         let springs = springs(p, coupling);
-        let mobility = mobility(p, coupling);
         let synchroniser_ratio = synchroniser_ratio(p, coupling);
-        let (a, b) = open_driveline(&springs, &mobility, synchroniser_ratio);
-        let stuck = |set| engaged_driveline(&a, &b, &mobility, coupling.engageable(set));
+        let (g, j_ct) = (p.g(coupling.gear_in()), p.j_ct_in(coupling.gear_in()));
+        let engaged = |open: &Open, set| {
+            let rows = |system: &System| Rows::new(system, g, j_ct);
+            engaged_driveline(open, coupling.engageable(set), rows)
+        };
+        let open_as =
+            |coupling| open_driveline(&springs, mobility(p, coupling), synchroniser_ratio);
+        let open = open_as(coupling);
+        let tied = coupling.tied(p).map(open_as);
         Self {
             coupling,
             rigid_ratio: rigid_ratio(p, coupling),
-            ratio: p.g(coupling.gear_in()),
+            ratio: g,
             synchroniser_ratio,
-            by_stuck: [stuck(0), stuck(1), stuck(2), stuck(3)],
+            by_stuck: [
+                engaged(&open, 0),
+                engaged(&open, 1),
+                engaged(&open, 2),
+                engaged(tied.as_ref().unwrap_or(&open), 3),
+            ],
             spring_torque: spring_torque(&springs),
             viscous: viscous(&springs),
+            mesh_loss: p.mesh_loss(coupling),
             storage: storage(p, coupling, &springs),
         }
     }
 
-    /// Whether gear meshes lose power, so that [`Self::viscous`] has terms of twists.
+    /// Whether gear meshes lose power, so that ω_o itself costs some.
     pub(crate) fn meshes_lose(&self) -> bool {
-        self.coupling.power != [0; 2]
+        self.mesh_loss != [0.0; 2]
+    }
+
+    /// Power lost in dampers and meshes [W] with the clutches of `set` (bit i: clutch i) engaged.
+    pub fn power_lost(&self, set: usize, x: &State, v: &Torques) -> f64 {
+        let lost = Row::sum(&self.by_stuck[set & 3].rows.mesh, self.mesh_loss);
+        (self.viscous * x).dot(x) + x[O] * lost.of(x, v)
     }
 
     /// Kinetic and elastic energy [J].
@@ -183,40 +203,14 @@ fn synchroniser_ratio(p: &Params, coupling: Coupling) -> [f64; 2] {
     [0, 1].map(|i| if coupling.synchronising[i] { g[i] } else { 0.0 })
 }
 
-/// W: accelerations = W·(torques on the six inertias), shape (6, 6).
-pub(crate) fn mobility(p: &Params, coupling: Coupling) -> SMatrix<f64, SPEEDS, SPEEDS> {
-    let p = &p.in_gears(coupling.gear_in());
-    let j = [p.j_e, p.j_d, p.j_ct[0], p.j_ct[1], p.j_o, p.j_v];
-    let mut mobility = SMatrix::from_diagonal(&SVector::from(j.map(|j| 1.0 / j)));
-    if coupling.held {
-        mobility[(W, W)] = 0.0;
-    }
-    if coupling.jammed {
-        mobility[(O, O)] = 0.0;
-    }
-    if !p.rigid {
-        return mobility;
-    }
-    let g = p.g(coupling.gear_in());
-    let mut moves = SVector::<f64, SPEEDS>::zeros();
-    moves[O] = 1.0;
-    for shaft in [0, 1] {
-        moves[C + shaft] = g[shaft];
-        if g[shaft] != 0.0 {
-            mobility[(C + shaft, C + shaft)] = 0.0;
-        }
-    }
-    mobility[(O, O)] = 0.0;
-    mobility + moves * moves.transpose() / p.j_out(g)
+/// The driveline with no clutch engaged.
+struct Open {
+    a: SMatrix<f64, STATES, STATES>,
+    b: SMatrix<f64, STATES, TORQUES>,
+    mobility: Mobility,
 }
 
-type Open = (SMatrix<f64, STATES, STATES>, SMatrix<f64, STATES, TORQUES>);
-
-fn open_driveline(
-    springs: &[Spring; 4],
-    mobility: &SMatrix<f64, SPEEDS, SPEEDS>,
-    synchroniser_ratio: [f64; 2],
-) -> Open {
+fn open_driveline(springs: &[Spring; 4], mobility: Mobility, synchroniser_ratio: [f64; 2]) -> Open {
     let mut a = SMatrix::<f64, STATES, STATES>::zeros();
     let torque = spring_torque(springs);
     for (j, spring) in springs.iter().enumerate() {
@@ -239,16 +233,12 @@ fn open_driveline(
     acts[(W, 3)] = -1.0;
     let mut b = SMatrix::<f64, STATES, TORQUES>::zeros();
     b.fixed_rows_mut::<SPEEDS>(0).copy_from(&(mobility * acts));
-    (a, b)
+    Open { a, b, mobility }
 }
 
 /// The open driveline with the clutches of `set` (bit i: clutch i) held at zero slip.
-fn engaged_driveline(
-    a: &SMatrix<f64, STATES, STATES>,
-    b: &SMatrix<f64, STATES, TORQUES>,
-    mobility: &SMatrix<f64, SPEEDS, SPEEDS>,
-    set: usize,
-) -> System {
+fn engaged_driveline(open: &Open, set: usize, read: impl Fn(&System) -> Rows) -> System {
+    let Open { a, b, mobility } = open;
     let stuck = [0, 1].map(|clutch| set >> clutch & 1 == 1);
     let mut rows = SMatrix::<f64, 2, STATES>::zeros();
     let mut free = *b;
@@ -274,13 +264,17 @@ fn engaged_driveline(
     let mut b = free;
     b.fixed_columns_mut::<2>(1).fill(0.0);
     let (a, b) = (a + act * t_c_x, b + act * t_c_v);
-    System {
-        rows: Rows::new(&a, &b, &t_c_x, &t_c_v),
+    let system = System {
+        rows: Rows::ZERO,
         a,
         b,
         t_c_x,
         t_c_v,
         projection,
+    };
+    System {
+        rows: read(&system),
+        ..system
     }
 }
 

@@ -14,16 +14,17 @@
 //! Σ i_f T_t η^sgn(T_t) + g σ T_s − T_o  ≤  0  ≤  Σ i_f T_t η^−sgn(T_t) + g σ T_s − T_o
 //! ```
 //!
-//! turns forward above it and backward below. Both sides depend on the state alone, so a mesh is resolved before
-//! brake and clutches. Zeros of T_t and ω_o and the ends of a jam are located like the events of a clutch.
+//! turns forward above it and backward below. Behind compliant shafts both sides depend on the state alone, so a mesh is
+//! resolved before brake and clutches; with rigid ones `plant/mesh_rigid.rs` resolves all of them together. Zeros of T_t and ω_o and the ends of a jam are located like the events of a clutch.
 //!
 //! Deviation: the paper has no efficiency; η = 1 is what it has, and costs nothing.
 
 use crate::Params;
+use crate::coupling::Coupling;
 use crate::plant::Plant;
 use crate::plant::block::Block;
 use crate::plant::brake::drive_shaft_torque;
-use crate::plant::matrices::{O, State, System};
+use crate::plant::matrices::{C, O, State, System, Torques, rigid_ratio};
 use crate::plant::modes::{Crossing, Event, Guard, Mode, ZERO_SLIP};
 use crate::plant::springs::transfer_torques;
 
@@ -41,6 +42,12 @@ impl Meshes {
     pub const IDEAL: Self = Self {
         load: [Mode::Open; 2],
         output: Mode::Open,
+    };
+
+    /// The output stands in gears that lose power.
+    pub const JAMMED: Self = Self {
+        load: [Mode::Open; 2],
+        output: Mode::Stuck,
     };
 
     /// s of both shafts, shape (2): 1 where a shaft drives the output, −1 where it is driven, 0 without loss.
@@ -65,6 +72,17 @@ impl Params {
             _ => 1.0 / self.efficiency(shaft, gear),
         }
     }
+
+    /// Which of the gears that are in lose power, shape (2).
+    pub(crate) fn gears_that_lose(&self, gear: [i32; 2]) -> [bool; 2] {
+        [0, 1].map(|i| self.efficiency(i, gear[i]) < 1.0)
+    }
+
+    /// 1 − η^s of both shafts [1], shape (2): what is lost of the torque.
+    pub(crate) fn mesh_loss(&self, coupling: Coupling) -> [f64; 2] {
+        let (gear, power) = (coupling.gear_in(), coupling.power);
+        [0, 1].map(|i| 1.0 - self.mesh_factor(i, gear[i], power[i]))
+    }
 }
 
 impl Plant {
@@ -79,21 +97,18 @@ impl Plant {
     #[cold]
     #[inline(never)]
     fn choose_meshes(&mut self, p: &Params, event: &Event) {
-        let gear = self.gear_in();
-        let loses = [0, 1].map(|i| p.efficiency(i, gear[i]) < 1.0);
+        let loses = p.gears_that_lose(self.gear_in());
         if loses == [false; 2] || p.rigid {
             self.meshes = Meshes::IDEAL;
             return;
         }
-        let standing = self.meshes.output == Mode::Stuck
-            || event.output_reached
-            || self.x[O].abs() <= ZERO_SLIP;
+        let standing = self.output_stands(event);
         if standing {
-            self.work.viscous += 0.5 * p.j_o * self.x[O] * self.x[O];
-            self.x[O] = 0.0;
+            self.stop_output(p);
         }
-        let torque = transfer_torques(p, gear, &self.x);
-        let [forward, backward] = self.urges(p, &self.x);
+        let torque = transfer_torques(p, self.gear_in(), &self.x);
+        let torque = [0, 1].map(|i| p.i_f[i] * torque[i]);
+        let [forward, backward] = self.urges(p, &self.x, torque);
         let output = match (standing, forward > 0.0, backward < 0.0) {
             (false, ..) => Mode::slipping(self.x[O]),
             (true, true, _) => Mode::Forward,
@@ -108,53 +123,76 @@ impl Plant {
         self.meshes = Meshes { load, output };
     }
 
-    /// Torque on the output while it turns forward and while it turns backward [N·m], shape (2).
-    fn urges(&self, p: &Params, x: &State) -> [f64; 2] {
-        let (gear, t_o) = (self.gear_in(), drive_shaft_torque(p, x));
-        let (torque, g) = (transfer_torques(p, gear, x), p.g(self.gear));
-        let rubs = self.synchroniser_torque(p);
-        [1, -1].map(|turns: i8| {
-            let of = |i: usize| {
-                let power = if torque[i] < 0.0 { -turns } else { turns };
-                p.i_f[i] * torque[i] * p.mesh_factor(i, gear[i], power) + g[i] * rubs[i]
-            };
-            of(0) + of(1) - t_o
-        })
+    /// Whether the output stands, and might jam, after `event`.
+    pub(crate) fn output_stands(&self, event: &Event) -> bool {
+        let speed = self.x[O].abs();
+        self.meshes.output == Mode::Stuck || event.output_reached || speed <= ZERO_SLIP
     }
 
-    /// The urges of a jammed output, and their rates [N·m/s] with the state's rate.
-    fn urge_rates(&self, p: &Params, x: &State, x_dot: &State) -> [f64; 2] {
-        let (gear, t_o) = (self.gear_in(), drive_shaft_torque(p, x_dot));
-        let sign = transfer_torques(p, gear, x);
-        let rate = transfer_torques(p, gear, x_dot);
+    /// Takes from the output, and from shafts that follow it, what speed it has left.
+    pub(crate) fn stop_output(&mut self, p: &Params) {
+        let (gear, mut inertia) = (self.gear_in(), p.j_o);
+        let (g, j_ct) = (rigid_ratio(p, self.coupling()), p.j_ct_in(gear));
+        for i in (0..2).filter(|i| g[*i] != 0.0) {
+            (inertia, self.x[C + i]) = (inertia + g[i] * g[i] * j_ct[i], 0.0);
+        }
+        self.work.viscous += 0.5 * inertia * self.x[O] * self.x[O];
+        self.x[O] = 0.0;
+    }
+
+    /// Torque on the output while it turns forward and while it turns backward [N·m], shape (2).
+    ///
+    /// `torque`: i_f T_t [N·m], shape (2).
+    pub(crate) fn urges(&self, p: &Params, x: &State, torque: [f64; 2]) -> [f64; 2] {
+        let (g, rubs) = (p.g(self.gear), self.synchroniser_torque(p));
+        let rest = g[0] * rubs[0] + g[1] * rubs[1] - drive_shaft_torque(p, x);
+        self.passed_on(p, torque, torque)
+            .map(|passed| passed + rest)
+    }
+
+    /// What the gears pass on of torques with these signs, the output turning forward and backward [N·m], shape (2).
+    fn passed_on(&self, p: &Params, sign: [f64; 2], torque: [f64; 2]) -> [f64; 2] {
+        let gear = self.gear_in();
         [1, -1].map(|turns: i8| {
             let of = |i: usize| {
                 let power = if sign[i] < 0.0 { -turns } else { turns };
-                p.i_f[i] * rate[i] * p.mesh_factor(i, gear[i], power)
+                torque[i] * p.mesh_factor(i, gear[i], power)
             };
-            of(0) + of(1) - t_o
+            of(0) + of(1)
         })
     }
 
     /// Guards of the meshes: loads of both shafts, then the output's speed or both ends of its jam.
-    fn mesh_guards(&self, p: &Params, x: &State, x_dot: &State) -> [Guard; 4] {
+    ///
+    /// `x`, `v`: state and torques. `rate`: their rates.
+    fn mesh_guards(
+        &self,
+        p: &Params,
+        system: &System,
+        (x, v): (&State, &Torques),
+        rate: (&State, &Torques),
+    ) -> [Guard; 4] {
         let guard = |sign: f64, value: f64, rate: f64| Guard {
             value: sign * value,
             rate: sign * rate,
         };
-        let gear = self.gear_in();
-        let (torque, rate) = (
-            transfer_torques(p, gear, x),
-            transfer_torques(p, gear, x_dot),
-        );
-        let load = |i: usize| guard(self.meshes.load[i].direction(), torque[i], rate[i]);
-        if self.meshes.output == Mode::Stuck {
-            let (urge, rate) = (self.urges(p, x), self.urge_rates(p, x, x_dot));
-            let ends = [guard(-1.0, urge[0], rate[0]), guard(1.0, urge[1], rate[1])];
-            return [Guard::QUIET, Guard::QUIET, ends[0], ends[1]];
+        let torque = system.rows.mesh.map(|row| row.of(x, v));
+        let torque_rate = system.rows.mesh.map(|row| row.of(rate.0, rate.1));
+        let load = |i: usize| guard(self.meshes.load[i].direction(), torque[i], torque_rate[i]);
+        if self.meshes.output != Mode::Stuck {
+            let turns = guard(self.meshes.output.direction(), x[O], rate.0[O]);
+            return [load(0), load(1), turns, Guard::QUIET];
         }
-        let turns = guard(self.meshes.output.direction(), x[O], x_dot[O]);
-        [load(0), load(1), turns, Guard::QUIET]
+        if p.rigid && self.modes == [Mode::Stuck; 2] {
+            return [Guard::QUIET; 4]; // two ratios at once: nothing turns
+        }
+        let urge = self.urges(p, x, torque);
+        let urge_rate = self.passed_on(p, torque, torque_rate);
+        let end = |sign: f64, k: usize| {
+            let rate = urge_rate[k] - drive_shaft_torque(p, rate.0);
+            guard(sign, urge[k], rate)
+        };
+        [Guard::QUIET, Guard::QUIET, end(-1.0, 0), end(1.0, 1)]
     }
 }
 
@@ -170,7 +208,8 @@ impl Block {
     ) -> (Crossing, bool) {
         let guards = |t: f64| {
             let (x, v) = self.at(t);
-            plant.mesh_guards(p, &x, &system.derivative(&x, &v))
+            let rate = (&system.derivative(&x, &v), &self.torques_rate());
+            plant.mesh_guards(p, system, (&x, &v), rate)
         };
         let (start, end) = (guards(0.0), guards(self.t));
         let crossing = [0, 1, 2, 3].map(|k| start[k].crossing(end[k], self.t));

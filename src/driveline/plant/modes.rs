@@ -12,7 +12,7 @@ pub(crate) const ZERO_SLIP: f64 = 1e-10;
 /// Round-off of a capacity [1].
 pub(crate) const CAPACITY_MARGIN: f64 = 1e-12;
 /// Round-off of a guard that starts at zero: slip [rad/s] and torque [N·m].
-const GUARD_TOLERANCE: f64 = 1e-10;
+pub(crate) const GUARD_TOLERANCE: f64 = 1e-10;
 
 /// What a clutch does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -71,7 +71,8 @@ impl Plant {
         let t_o = drive_shaft_torque(p, x);
         let mut t_t = [1, 2].map(|j| systems.spring_torque_of(j, x));
         if systems.rigid_ratio != [0.0; 2] {
-            t_t = self.rigid_shaft_torques(p, systems, t_c, t_o);
+            let mesh = &system.rows.mesh;
+            t_t = [0, 1].map(|i| mesh[i].of(x, &v) / p.i_f[i]);
         }
         for i in (0..2).filter(|i| synchronising && self.synchroniser[*i] != Mode::Open) {
             t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
@@ -123,32 +124,5 @@ impl Plant {
         }
         let direction = self.brake_direction();
         input.load_torque(p, grade, self.x[W], direction).0
-    }
-
-    /// T_t1, T_t2 of rigid shafts [N·m], shape (2): from J_out ω̇_o = Σ g_i T_ci − T_o; 0 in neutral.
-    ///
-    /// `t_c`: T_c1, T_c2 [N·m], shape (2).
-    fn rigid_shaft_torques(
-        &self,
-        p: &Params,
-        systems: &Systems,
-        t_c: [f64; 2],
-        t_o: f64,
-    ) -> [f64; 2] {
-        let (g, storage) = (systems.rigid_ratio, &systems.storage);
-        let inertia = |i: usize| g[i] * storage[C + i];
-        let j_out = storage[O] + g[0] * inertia(0) + g[1] * inertia(1);
-        let mut driving = g[0] * t_c[0] + g[1] * t_c[1] - t_o;
-        for i in (0..2).filter(|i| self.synchroniser[*i] != Mode::Open) {
-            driving += systems.synchroniser_ratio[i] * self.synchroniser_torque(p)[i];
-        }
-        let omega_o_dot = driving / j_out;
-        [0, 1].map(|i| {
-            if g[i] == 0.0 {
-                0.0
-            } else {
-                p.i_t(i, self.gear[i]) * (t_c[i] - inertia(i) * omega_o_dot)
-            }
-        })
     }
 }

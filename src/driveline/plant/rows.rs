@@ -3,7 +3,7 @@
 use nalgebra::{RowSVector, SMatrix};
 
 use crate::plant::matrices::{
-    C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
+    C, D, E, O, STATES, State, System, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
 };
 
 /// A quantity that is linear in state and torques.
@@ -43,6 +43,21 @@ impl Row {
         dot(&self.x, &x.data.0[0]) + unit.copied().unwrap_or(0.0)
     }
 
+    /// What `share` of two quantities amounts to.
+    pub(crate) fn sum(rows: &[Self; 2], share: [f64; 2]) -> Self {
+        let [one, two] = rows;
+        let sum = |one: f64, two: f64| share[0] * one + share[1] * two;
+        Self {
+            x: core::array::from_fn(|j| sum(one.x[j], two.x[j])),
+            v: core::array::from_fn(|q| sum(one.v[q], two.v[q])),
+        }
+    }
+
+    /// What one state makes of it, by its index, and one torque.
+    pub(crate) const fn by_state(&self, j: usize) -> f64 {
+        self.x[j]
+    }
+
     /// What torque `q` of T_e, T_c1, T_c2, T_v alone makes of it.
     pub(crate) fn of_torque(&self, q: usize, torque: f64) -> f64 {
         self.v[q] * torque
@@ -71,6 +86,9 @@ pub struct Rows {
     pub slip_rate: [Row; 2],
     /// ω̇_w [rad/s²].
     pub wheel_rate: Row,
+    /// g_i (T_ci − J_cti ω̇_ci) = i_fi T_ti: what the gear of a shaft would give to the output without loss [N·m],
+    /// shape (2).
+    pub mesh: [Row; 2],
 }
 
 impl Rows {
@@ -80,21 +98,30 @@ impl Rows {
         torque_rate: [Row::ZERO; 2],
         slip_rate: [Row::ZERO; 2],
         wheel_rate: Row::ZERO,
+        mesh: [Row::ZERO; 2],
     };
 
-    /// Rows of x' = A x + B v with T_c = `t_c_x` x + `t_c_v` v.
-    pub(crate) fn new(
-        a: &SMatrix<f64, STATES, STATES>,
-        b: &SMatrix<f64, STATES, TORQUES>,
-        t_c_x: &SMatrix<f64, 2, STATES>,
-        t_c_v: &SMatrix<f64, 2, TORQUES>,
-    ) -> Self {
+    /// Rows of a system whose own are still to be made.
+    ///
+    /// `g`: ratios of the gears that are in, else 0. `j_ct`: inertias of the input shafts with them [kg·m²].
+    pub(crate) fn new(system: &System, g: [f64; 2], j_ct: [f64; 2]) -> Self {
+        let System {
+            a, b, t_c_x, t_c_v, ..
+        } = system;
         let (rate_x, rate_v) = (t_c_x * a, t_c_x * b);
         let row = |x: &SMatrix<f64, 2, STATES>, v: &SMatrix<f64, 2, TORQUES>, i| {
             Row::new(&x.row(i).into_owned(), &v.row(i).into_owned())
         };
         let slip = |i: usize| Row::new(&(a.row(D) - a.row(C + i)), &(b.row(D) - b.row(C + i)));
+        let mesh = |i: usize| {
+            let (g, j) = (g[i], j_ct[i]);
+            Row::new(
+                &(g * (t_c_x.row(i) - j * a.row(C + i))),
+                &(g * (t_c_v.row(i) - j * b.row(C + i))),
+            )
+        };
         Self {
+            mesh: [0, 1].map(mesh),
             torque: [0, 1].map(|i| row(t_c_x, t_c_v, i)),
             torque_rate: [0, 1].map(|i| row(&rate_x, &rate_v, i)),
             slip_rate: [0, 1].map(slip),

@@ -79,32 +79,14 @@ pub(crate) fn spring_torque(springs: &[Spring; 4]) -> SMatrix<f64, 4, STATES> {
     rows
 }
 
-/// Power lost in dampers, and in meshes as T (act − rate)·speeds, as a quadratic form of the state.
+/// Power lost in dampers as a quadratic form of the state.
 pub(crate) fn viscous(springs: &[Spring; 4]) -> SMatrix<f64, STATES, STATES> {
     let mut form = SMatrix::<f64, STATES, STATES>::zeros();
     for spring in springs {
         let mut speeds = form.fixed_view_mut::<SPEEDS, SPEEDS>(0, 0);
         speeds += spring.c * spring.rate * spring.rate.transpose();
     }
-    for (j, spring) in springs.iter().enumerate() {
-        if spring.act != spring.rate {
-            add_mesh_loss(&mut form, spring, TWIST_D + j);
-        }
-    }
     form
-}
-
-fn add_mesh_loss(form: &mut SMatrix<f64, STATES, STATES>, spring: &Spring, twist: usize) {
-    let lost = spring.act - spring.rate;
-    let mut torque = SVector::<f64, STATES>::zeros();
-    torque
-        .fixed_rows_mut::<SPEEDS>(0)
-        .copy_from(&(spring.c * spring.rate));
-    torque[twist] = spring.k;
-    let mut columns = form.fixed_columns_mut::<SPEEDS>(0);
-    columns += 0.5 * torque * lost.transpose();
-    let mut rows = form.fixed_rows_mut::<SPEEDS>(0);
-    rows += 0.5 * lost * torque.transpose();
 }
 
 pub(crate) fn storage(p: &Params, coupling: Coupling, springs: &[Spring; 4]) -> State {

@@ -2,7 +2,7 @@
 
 use nalgebra::ComplexField;
 
-use crate::plant::matrices::{C, O, STATES, System, Systems, TORQUES, W};
+use crate::plant::matrices::{O, Row, STATES, System, Systems, TORQUES};
 use crate::rung::builder::{Active, Builder, RAMP_COLUMN, TORQUE_COLUMN};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::start::{ENTRIES, MOVING, MOVING_STATES, moving, worked};
@@ -67,7 +67,7 @@ impl Builder {
             term.advance(system, systems.ratio, active, t / (order + 1.0));
         }
         for node in &nodes {
-            self.add_loss(systems, active, node);
+            self.add_loss(systems, set, active, node);
         }
     }
 
@@ -86,7 +86,7 @@ impl Builder {
     }
 
     /// Adds the power lost at a node of Gauss' rule.
-    fn add_loss(&mut self, systems: &Systems, active: &Active, node: &Node) {
+    fn add_loss(&mut self, systems: &Systems, set: usize, active: &Active, node: &Node) {
         let weight = node.weight * self.t;
         let viscous = MOVING_STATES.map(|j| {
             let column = &systems.viscous.data.0[j];
@@ -105,8 +105,7 @@ impl Builder {
             }
         }
         if systems.meshes_lose() {
-            let lost = lost_torque(systems);
-            let torque = node.moving.map(|moving| dot(&lost, &moving));
+            let torque = lost_torque(systems, set, node, node.at * self.t);
             self.add_mesh_loss(&node.omega_o, &torque, weight);
             for (sum, torque) in self.output.iter_mut().zip(torque) {
                 *sum += weight * torque;
@@ -170,15 +169,19 @@ impl Node {
     }
 }
 
-/// What reads the torque that ω_o loses power with from what moves: turning wheels alone lose nothing.
-fn lost_torque(systems: &Systems) -> Lanes<MOVING> {
-    let [one, two] = systems.ratio;
-    let turning = [(O, 1.0), (W, 1.0), (C, one), (C + 1, two)];
-    let form = &systems.viscous;
-    Lanes(MOVING_STATES.map(|j| {
-        let pairs = turning.map(|(k, speed)| speed * (form[(k, j)] + form[(j, k)]));
-        pairs.iter().sum()
-    }))
+/// The torque that ω_o loses power with at a node, `t` [s] into the span, by what moves: turning wheels alone lose
+/// nothing.
+fn lost_torque(systems: &Systems, set: usize, node: &Node, t: f64) -> [f64; ENTRIES] {
+    let row = Row::sum(&systems.by_stuck[set & 3].rows.mesh, systems.mesh_loss);
+    let moving = Lanes(MOVING_STATES.map(|j| row.by_state(j)));
+    core::array::from_fn(|j| {
+        let torque = match j {
+            ..TORQUE_COLUMN => 0.0,
+            TORQUE_COLUMN..RAMP_COLUMN => row.of_torque(j - TORQUE_COLUMN, 1.0),
+            _ => row.of_torque(j - RAMP_COLUMN, t),
+        };
+        dot(&moving, &node.moving[j]) + torque
+    })
 }
 
 /// Nodes of Gauss' three-point rule on [0, 1] with their weights, the numbers that move as they start.

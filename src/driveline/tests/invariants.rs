@@ -46,8 +46,8 @@ fn busy_run(p: &Params, swap: bool, seconds: u32, mut seen: impl FnMut(&Input, &
     plant
 }
 
-/// Compliant, rigid, and with friction that varies with slip.
-fn variants() -> [Params; 3] {
+/// Compliant and rigid, with gears that lose power, and with friction that varies with slip.
+fn variants() -> [Params; 5] {
     let rigid = Params {
         rigid: true,
         ..Params::TABLE_1
@@ -59,7 +59,18 @@ fn variants() -> [Params; 3] {
             factor: [first, 1.0, 0.95, 1.0, 0.7],
         };
     }
-    [Params::TABLE_1, rigid, curved]
+    let lossy = |p: Params| {
+        let mut p = p;
+        (p.eta[0][0], p.eta[1][0]) = (0.94, 0.9);
+        p
+    };
+    [
+        Params::TABLE_1,
+        rigid,
+        curved,
+        lossy(Params::TABLE_1),
+        lossy(rigid),
+    ]
 }
 
 #[test]
@@ -245,6 +256,7 @@ fn mirrored(p: &Params) -> Params {
     mirror.c_t.swap(0, 1);
     mirror.i_t.swap(0, 1);
     mirror.i_f.swap(0, 1);
+    mirror.eta.swap(0, 1);
     mirror.clutch.swap(0, 1);
     mirror
 }

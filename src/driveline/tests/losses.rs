@@ -71,12 +71,12 @@ fn the_power_lost_is_what_does_not_arrive() {
         let stored = systems.storage.component_mul(&x).dot(&x_dot);
         let [one, two] = slip(&x);
         let given = v[0] * x[0] - v[1] * one - v[2] * two - v[3] * x[W];
-        let lost = (systems.viscous * x).dot(&x);
+        let lost = systems.power_lost(0, &x, &v);
         assert!(
             (given - stored - lost).abs() < 1e-9 * given.abs(),
             "{power:?}"
         );
-        let dampers = (Systems::new(&p, [1, 2]).viscous * x).dot(&x);
+        let dampers = Systems::new(&p, [1, 2]).power_lost(0, &x, &v);
         let [_, t_t @ .., _] = systems.spring_torques(&x);
         let share = |i: usize| match power[i] {
             1 => 1.0 - ETA[i],
@@ -137,4 +137,58 @@ fn steps_of_any_size_find_the_same_bend() {
     let (fine, coarse) = (tip_out(4000), tip_out(40));
     let apart = (fine - coarse).amax();
     assert!(apart < BY_LOAD, "{apart} rad/s");
+}
+
+/// A shift with its synchronisation, driven in gear 1 and then in gear 2; the state in the end.
+fn shifted(p: &Params) -> State {
+    let start = Input {
+        t_e: 60.0,
+        force: [4000.0, 0.0],
+        gear: [1, 0],
+        ..Input::default()
+    };
+    let mut propagators = Propagators::new(p, start.gear, H);
+    let mut plant = Plant::start(p, &start, 180.0, 180.0 / p.g([1, 0])[0] * p.road.r_w);
+    for k in 0..1600 {
+        let time = f64::from(k) * H;
+        let input = Input {
+            t_e: if time < 0.6 { 60.0 } else { -20.0 },
+            force: [
+                (4000.0 * (1.0 - time / 0.5)).max(0.0),
+                (8000.0 * (time - 0.4)).max(0.0),
+            ],
+            gear: [
+                if time < 0.7 { 1 } else { 0 },
+                if time < 0.1 { 0 } else { 2 },
+            ],
+            ..start
+        };
+        plant.step(p, &mut propagators, &input, &InputRate::default());
+    }
+    assert_eq!((plant.modes[1], plant.gear_in()), (Mode::Stuck, [0, 2]));
+    let residual = plant.energy_residual(&propagators.systems);
+    assert!(
+        residual.abs() < 1e-9 * plant.stored_at_start,
+        "{residual} J"
+    );
+    plant.x
+}
+
+/// Shafts a hundred times as stiff are a tenth as far from rigid ones in the end: their swings die out.
+#[test]
+fn rigid_gears_lose_what_very_stiff_ones_do() {
+    let stiff = |factor: f64| {
+        let mut p = lossy();
+        p.k_t = p.k_t.map(|k_t| factor * k_t);
+        p.c_t = p.c_t.map(|c_t| factor.sqrt() * c_t);
+        shifted(&p)
+    };
+    let rigid = shifted(&Params {
+        rigid: true,
+        ..lossy()
+    });
+    let apart = |x: State| [0, W].map(|i| (x[i] - rigid[i]).abs());
+    let ([engine, wheel], near) = (apart(stiff(1.0)), apart(stiff(100.0)));
+    println!("{engine} {wheel} {near:?}");
+    assert!(near[0] < 0.1 * engine && near[1] < 0.1 * wheel, "{near:?}");
 }

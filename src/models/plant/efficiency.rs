@@ -1,10 +1,9 @@
 //! Rows of the gears' efficiencies.
 
 use super::Plant;
-use crate::vehicle::{indexed, invalid};
-use dct_driveline::Params;
+use crate::vehicle::indexed;
 use dct_driveline::params::GEARS_PER_SHAFT;
-use fmi2_cosim::{Failure, Unit, Variable};
+use fmi2_cosim::{Unit, Variable};
 
 /// Smallest efficiency [1]: below it a gear that is driven locks itself.
 const LEAST: f64 = 0.5;
@@ -56,39 +55,4 @@ const fn gear<const I: usize, const K: usize>() -> Variable<Plant> {
     )
     .min(LEAST)
     .max(1.0)
-}
-
-/// Refuses efficiencies that would not act.
-pub(super) fn check_efficiencies(p: &Params) -> Result<(), Failure> {
-    if !p.rigid {
-        return Ok(());
-    }
-    for i in [0, 1] {
-        let gears = GEARS[i].into_iter().zip(p.eta[i]);
-        let mut all = gears.chain([(REVERSE[i], p.eta_r[i])]);
-        if let Some((name, eta)) = all.find(|(_, eta)| *eta != 1.0) {
-            let remedy = "does not act on rigid transfer shafts: set transmission.rigid to false";
-            return Err(invalid(name, eta, remedy));
-        }
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::check_efficiencies;
-    use dct_driveline::Params;
-
-    #[test]
-    fn rigid_shafts_take_no_efficiency() {
-        let mut p = Params::TABLE_1;
-        p.eta[1][0] = 0.97;
-        assert!(check_efficiencies(&p).is_ok());
-        p.rigid = true;
-        let said = check_efficiencies(&p).map_err(|failure| failure.to_string());
-        let expected = "shaft2.gearEfficiency[1] = 0.97 does not act on rigid transfer shafts";
-        assert!(said.is_err_and(|text| text.starts_with(expected)));
-        p.eta[1][0] = 1.0;
-        assert!(check_efficiencies(&p).is_ok());
-    }
 }
