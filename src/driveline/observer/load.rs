@@ -9,7 +9,9 @@
 //! ```
 //!
 //! The momentum form needs no rigid drive shaft, so it stays right while the driveline oscillates. Both
-//! sides go through the same first-order filter, which turns the derivative into (E − E_f)/τ. Of that, white noise
+//! sides go through the same first-order filter. T_e acts over a whole step, over which E, known at its end, runs
+//! straight: so the filtered derivative is (E − E_f) (e^{h/τ} − 1)/h, of which (E − E_f)/τ is short by h/(2τ), 5 % at
+//! 10 ms. The filters begin at the load that was known before. Of the derivative, white noise
 //! of the speeds passes with J_v σ/τ, 135 N·m for 0.1 rad/s. An observer averages that as long as it flows; what is
 //! held through a shift has passed a second filter of the same τ, which leaves J_v σ √(h/4τ³), 7 N·m at 1 kHz.
 //!
@@ -44,7 +46,7 @@ const SETTLING: f64 = 3.0 * TAU;
 pub struct Load {
     /// Filtered momentum [N·m·s].
     pub momentum: f64,
-    /// Filtered g T_e + T_y less the brake torque [N·m].
+    /// Filtered g T_e + T_y less the brake torque, at first less the derivative as well [N·m].
     pub torque: f64,
     /// J_out of the last sample [kg·m²].
     pub j_out: f64,
@@ -112,7 +114,12 @@ impl Load {
                     _ => momentum(p, g, sample, engaged, omega_o),
                 };
                 let torque = g[engaged] * sample.t_e + sample.t_y - brake;
-                self.filter(momentum, torque, h);
+                let before = if self.found {
+                    self.held
+                } else {
+                    model() - brake
+                };
+                self.filter(momentum, torque, before, h);
             }
             None => (self.running, self.t_v) = (-1.0, self.held),
         }
@@ -129,10 +136,10 @@ impl Load {
         self.j_out = j_out;
     }
 
-    /// Takes E [N·m·s] and the torque known to act on it [N·m].
-    fn filter(&mut self, momentum: f64, torque: f64, h: f64) {
+    /// Takes E [N·m·s], the torque known to act on it [N·m], and T_v `before`, from which the filters begin [N·m].
+    fn filter(&mut self, momentum: f64, torque: f64, before: f64, h: f64) {
         if self.running < 0.0 {
-            (self.momentum, self.torque, self.running) = (momentum, torque, 0.0);
+            (self.momentum, self.torque, self.running) = (momentum, before, 0.0);
             return;
         }
         let forget = ComplexField::exp(-h / TAU);
@@ -140,7 +147,8 @@ impl Load {
         self.torque = torque + (self.torque - torque) * forget;
         self.running += h;
         if self.running >= SETTLING {
-            self.t_v = self.torque - (momentum - self.momentum) / TAU;
+            let slope = (momentum - self.momentum) * (1.0 / forget - 1.0) / h;
+            self.t_v = self.torque - slope;
             let memory = if self.found { TAU } else { 0.0 };
             self.held += (self.t_v - self.held) * (h / (h + memory));
             self.found = true;
@@ -159,5 +167,65 @@ fn output_speed(g: [f64; 2], method: LoadMethod, sample: &Sample, engaged: usize
         sample.omega_w
     } else {
         sample.omega_c[engaged] / g[engaged]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Load, LoadMethod, TAU};
+    use crate::Params;
+    use crate::observer::Sample;
+    use crate::observer::lock::Lock;
+    use crate::params::Actuation;
+
+    /// T_v found `time` [s] after clutch 1 engaged, in steps of `h` [s], with 250 N·m to be found, and T_v that
+    /// was known before [N·m].
+    fn found(method: LoadMethod, h: f64, time: f64) -> [f64; 2] {
+        const TRUE: f64 = 250.0;
+        let (p, mut load) = (Params::TABLE_1, Load::default());
+        let g = p.g([1, 2]);
+        let slope = (g[0] * 60.0 - TRUE) / p.j_v_eq(g, 0);
+        let sample = |time: f64| {
+            let omega_w = 5.0 + slope * time;
+            Sample {
+                t_e: 60.0,
+                omega_e: g[0] * omega_w,
+                omega_c: g.map(|g| g * omega_w),
+                omega_w,
+                actuation: [9e-3, 0.0].map(|position| Actuation {
+                    position,
+                    pressure: 0.0,
+                }),
+                gear: [1, 2],
+                ..Sample::default()
+            }
+        };
+        let mut lock = Lock::default();
+        lock.start(&p, &sample(0.0));
+        let before = load.step(&p, method, &sample(0.0), &lock, 0.0);
+        let steps = (1..).map(|k| f64::from(k) * h);
+        let told = steps.take_while(|at| *at < time + 0.5 * h);
+        let last = told.fold(0.0, |_, at| load.step(&p, method, &sample(at), &lock, h));
+        [last, before]
+    }
+
+    /// A steady acceleration, of 2 m/s², leaves no error at any step.
+    #[test]
+    fn load_of_a_steady_acceleration_is_found_at_any_step() {
+        for method in [LoadMethod::Engine, LoadMethod::Momentum] {
+            for h in [1e-3, 1e-2, 2e-2] {
+                let [t_v, _] = found(method, h, 3.0);
+                assert!((t_v - 250.0).abs() < 1e-6, "{method:?} {h} s: {t_v} N·m");
+            }
+        }
+    }
+
+    /// Between what was known and what is found there is a first-order lag, no transient of the acceleration.
+    #[test]
+    fn load_begins_at_what_was_known() {
+        let time: f64 = 0.4;
+        let [t_v, before] = found(LoadMethod::Momentum, 1e-2, time);
+        let expected = 250.0 + (before - 250.0) * (-time / TAU).exp();
+        assert!((t_v - expected).abs() < 1e-6, "{t_v} of {expected} N·m");
     }
 }

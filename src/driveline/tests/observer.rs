@@ -367,7 +367,8 @@ fn brake_torque_counts_while_the_load_is_held() {
     };
     let mut observer = Paper::default();
     observer.start(&p, &s, &engaged);
-    for _ in 0..1000 {
+    // 5 s: the filters, of 0.1 s, have forgotten the load of (11) that they began at.
+    for _ in 0..5000 {
         observer.step(&p, &s, &engaged, 1e-3);
     }
     let held = observer.step(&p, &s, &open, 1e-3).t_v;

@@ -54,10 +54,22 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
 #[test]
 fn methods_are_within_their_limits_on_the_paper_scenario_at_100_hz() {
     let drive = scenarios::paper().drive(1e-2);
-    check(Method::Paper, &drive, 0.0, [14.0, 15.0, 5.0]);
-    check(Method::Lyapunov, &drive, 0.0, [14.0, 15.0, 7.0]);
-    check(Method::Energy, &drive, 0.0, [4.0, 6.0, 2.5]);
+    check(Method::Paper, &drive, 0.0, [14.0, 15.0, 3.5]);
+    check(Method::Lyapunov, &drive, 0.0, [14.0, 15.0, 6.0]);
+    check(Method::Energy, &drive, 0.0, [1.5, 3.0, 1.0]);
     check(Method::Kalman, &drive, 0.0, [4.0, 4.0, 2.0]);
+}
+
+/// T_v was short by a twentieth of the accelerating torque while E was taken as held over a step: T_o of these seeds
+/// missed by 4.6 to 5.9 %, that of energy by 1.7 to 2.0 %.
+#[test]
+fn methods_are_within_their_limits_on_drives_by_chance_at_100_hz() {
+    for seed in [2, 3, 9] {
+        let drive = scenarios::random(seed).drive(1e-2);
+        check(Method::Paper, &drive, 0.0, [14.0, 15.0, 4.5]);
+        check(Method::Lyapunov, &drive, 0.0, [14.0, 15.0, 6.5]);
+        check(Method::Energy, &drive, 0.0, [2.0, 2.0, 1.5]);
+    }
 }
 
 /// Shifts under power: in a handover only the engaged clutch adapts, and after it the damper swings by more than the
