@@ -102,8 +102,12 @@ impl<M: Model> Library<M> {
         library: &Self,
     ) -> Status {
         let enter = || library.instances.enter(component.addr());
+        // A function of its own: used twice, that of `get_reals` would no longer be part of it.
+        let get = |instance: &mut Instance<M>, references: &[u32], values: &mut [f64]| {
+            instance.get_plainly(references, values)
+        };
         // SAFETY: the importer's promise.
-        if unsafe { Self::get_plainly(enter, Instance::get_plainly, references, count, values) } {
+        if unsafe { Self::get_plainly(enter, get, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.
