@@ -130,6 +130,9 @@ impl Servo {
     /// Friction that is learnt explains what was trimmed: the trim gives back as much, so that the two do
     /// not add up.
     fn hand_over(&mut self, mu: f64) {
+        if mu == self.mu {
+            return;
+        }
         let kept = (1.0 + self.trim) * mu / self.mu - 1.0;
         if kept.is_finite() {
             self.trim = kept.clamp(self.trim.min(0.0), self.trim.max(0.0));

@@ -64,41 +64,18 @@ impl Observer {
             _ => LoadMethod::Momentum,
         };
     }
-
-    fn check_finite(&self, time: f64) -> Result<(), Failure> {
-        let Estimate {
-            t_c,
-            t_o,
-            t_v,
-            innovation,
-            t_o_deviation,
-            ..
-        } = self.y;
-        let outputs = t_c.iter().chain(&innovation);
-        if outputs
-            .chain(&[t_o, t_v, t_o_deviation])
-            .all(|y| y.is_finite())
-        {
-            Ok(())
-        } else {
-            Err(Failure::Diverged {
-                variable: crate::ports::DRIVE_SHAFT_TORQUE,
-                time,
-            })
-        }
-    }
 }
 
 impl Observer {
-    /// Logs what changed since the estimate `before`.
-    fn tell(&self, before: &Estimate, time: f64, log: &mut Log<'_>) {
-        if let Some(fault) = self.y.fault.filter(|_| before.valid) {
+    /// Logs what changed since an estimate that was `valid` with clutches `engaged`, shape (2).
+    fn tell(&self, valid: bool, engaged: [bool; 2], time: f64, log: &mut Log<'_>) {
+        if let Some(fault) = self.y.fault.filter(|_| valid) {
             log.warning(format_args!(
                 "t = {time} s: status.valid = false: {fault}; {}",
                 remedy(fault)
             ));
         }
-        for i in (0..2).filter(|i| before.engaged[*i] != self.y.engaged[*i]) {
+        for i in (0..2).filter(|i| engaged[*i] != self.y.engaged[*i]) {
             let now = if self.y.engaged[i] {
                 "engaged"
             } else {
@@ -145,12 +122,10 @@ impl Model for Observer {
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         check_step(step, table::LONGEST_STEP)?;
         self.take_settings();
-        let before = self.y;
+        let Estimate { valid, engaged, .. } = self.y;
         self.y = self.state.step(&self.p, &self.settings, &self.u, step);
         self.phase = self.y.phase as i32;
-        let end = time + step;
-        self.check_finite(end)?;
-        self.tell(&before, end, log);
+        self.tell(valid, engaged, time + step, log);
         Ok(())
     }
 

@@ -20,9 +20,13 @@ impl Lever {
     pub fn new(p: &Params, sample: &Sample, i: usize) -> Self {
         let clutch = &p.clutch[i];
         let force = clutch.force(sample.actuation[i]);
+        let open = Self { arm: 0.0, f_n: 0.0 };
+        if force <= 0.0 {
+            return open;
+        }
         let theta = clutch.map.position(force);
-        if force <= 0.0 || theta <= 0.0 {
-            return Self { arm: 0.0, f_n: 0.0 };
+        if theta <= 0.0 {
+            return open;
         }
         Self {
             arm: clutch.r_c_n * theta,
