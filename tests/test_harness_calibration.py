@@ -8,7 +8,7 @@ import closed_loop_runs
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS, rms
-from dct_harness import cli, parameters, results
+from dct_harness import calibration, cli, parameters, results
 
 STOP = "6"  # s: the launch of the paper's scenario, and a drive
 SOFT = "observer.driveShaft.stiffness=4300"  # of 4887 N.m/rad
@@ -47,7 +47,7 @@ def test_a_second_run_starts_with_what_the_first_has_learnt(
 def test_the_file_has_every_parameter_with_deviation_and_friction(first: results.Results) -> None:
     assert first.path is not None
     told = parameters.read(first.path / "calibration.ssv")
-    assert len(told) == 2 * 8 + 2
+    assert len(told) == 2 * (8 + 1 + 5 + 10)  # friction, its map's deviations, forces
     assert told["calibration.inertiaErrorStart"] == first["observer.calibration.inertiaError"][-1]
     deviation = first["observer.calibration.torqueBiasDeviation"][-1]
     assert told["calibration.torqueBiasSigma"] == deviation
@@ -58,6 +58,44 @@ def test_the_file_has_every_parameter_with_deviation_and_friction(first: results
 def test_an_observer_that_learns_nothing_leaves_no_file(first: results.Results) -> None:
     assert first.path is not None
     assert [path.name for path in first.path.glob("*.ssv")] == ["calibration.ssv"]
+
+
+def worn(known: dict[str, dict], clutch: str) -> list[str]:
+    """Return settings of a plant whose clutch has lost a third of its force where it touches."""
+    position, force = calibration.force_map(known, clutch)
+    left = 1 - np.maximum(9e-3 - position, 0) / 21e-3
+    return [
+        f"plant.{clutch}.map.force[{k}]={f!r}" for k, f in enumerate((force * left).tolist(), 1)
+    ]
+
+
+def tracked(out: Path, plant: list[str], *more: str) -> results.Results:
+    """Run the launch on requested torques, the control by its map alone."""
+    settings = ["observer.observer.method=calibrating", "control.feedback.enabled=false", *plant]
+    command = ["run", str(SYSTEMS / "torque_tracking_case1.toml"), "--fmu-dir", str(FMUS)]
+    command += ["--stop", STOP, "--out", str(out), "--quiet", *more]
+    cli.main([*command, *(word for text in settings for word in ("--set", text))])
+    return results.load(out)
+
+
+def test_a_control_that_starts_with_the_learnt_map_carries_what_is_asked(tmp_path: Path) -> None:
+    """Torque in the slip of a launch: a new control, one friction that was learnt, and the map."""
+    start = closed_loop_runs.run("paper_case1", (), tmp_path / "parameters")
+    plant = [text for k in (1, 2) for text in worn(start.run["parameters"]["plant"], f"clutch{k}")]
+    first = tracked(tmp_path / "first", plant)
+    learnt = tmp_path / "first" / "calibration.ssv"
+    friction = parameters.read(learnt)["clutch1.nominalFriction"]
+    number = ("--set", f"control.clutch1.nominalFriction={friction!r}")
+    second = tracked(tmp_path / "number", plant, *number)
+    third = tracked(tmp_path / "map", plant, "--calibration", str(learnt))
+    missed = []
+    for loop in (first, second, third):
+        slips = (loop.time > 1.0) & (loop["plant.clutch1.slip"] > 3.0) & (loop.time < LAUNCH)
+        asked = np.concatenate([[0.0], loop["scenario.clutch1.torqueRequest"][:-1]])
+        missed.append(rms((loop["plant.clutch1.torque"] - asked)[slips]))
+    assert missed[0] > 10.0
+    assert missed[1] < 0.2 * missed[0]
+    assert missed[2] < 0.4 * missed[1]
 
 
 def test_a_torque_that_is_misread_is_found(tmp_path: Path) -> None:

@@ -106,6 +106,15 @@ impl ClutchParams {
 }
 
 impl ClutchParams {
+    /// θ_m [m]; of a piston the position that gives its force.
+    pub fn reached(&self, actuation: Actuation) -> f64 {
+        if self.piston_area > 0.0 {
+            self.map.position(self.force(actuation))
+        } else {
+            actuation.position
+        }
+    }
+
     /// Rate of [`Self::force`] [N/s] while the actuator moves by `rate`, per second.
     pub fn force_rate(&self, actuation: Actuation, rate: Actuation) -> f64 {
         if self.piston_area <= 0.0 {

@@ -48,6 +48,8 @@ use crate::observer::calibrating_model::{
     BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, Vector, View,
 };
 use crate::observer::filter::{Belief, row};
+use crate::observer::friction::SETTLING;
+use crate::observer::friction_map::{FrictionMap, POINTS};
 use crate::observer::grip::{Grip, Hold};
 use crate::observer::prior::Prior;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
@@ -89,6 +91,8 @@ pub struct Gains {
     pub prior: Prior,
     /// Standard deviation of a measured speed [rad/s].
     pub sensor: f64,
+    /// Standard deviations of the friction over the position at the start [1], shape (2, 5).
+    pub friction: [[f64; POINTS]; 2],
 }
 
 impl Gains {
@@ -99,6 +103,7 @@ impl Gains {
         sigma: [0.06, 3.0, 0.3, 0.02, 0.1, 0.2, 0.1, 0.2],
         prior: Prior::NONE,
         sensor: 0.1,
+        friction: [[0.3; POINTS]; 2],
     };
 
     /// Intensities of the states, shape (14); an anchor does not walk.
@@ -147,6 +152,10 @@ pub struct Calibration {
     /// Mass of the vehicle [kg] and its standard deviation [kg], shape (2): all that J_v is more than believed is
     /// mass. From accelerations alone, so no grade need be known.
     pub mass: [f64; 2],
+    /// μ at five positions of each clutch [1], shape (2, 5).
+    pub friction: [[f64; POINTS]; 2],
+    /// Their standard deviations [1], shape (2, 5).
+    pub friction_deviation: [[f64; POINTS]; 2],
 }
 
 /// State of the observer.
@@ -160,6 +169,8 @@ pub struct Calibrating {
     pub grip: Grip,
     /// Smoothed accelerations of ω_e, ω_o [rad/s²], shape (2).
     pub slope: [f64; 2],
+    /// Friction over the position of each clutch.
+    pub map: [FrictionMap; 2],
 }
 
 impl Observer for Calibrating {
@@ -167,6 +178,8 @@ impl Observer for Calibrating {
         let sigma = settings.calibrating.start();
         *self = Self {
             tracker: Tracker::new(settings, Vector::zeros(), sigma),
+            map: [0, 1]
+                .map(|i| FrictionMap::new(settings.mu_n[i], settings.calibrating.friction[i])),
             ..Self::default()
         };
         if !sample.is_finite() {
@@ -199,6 +212,9 @@ impl Observer for Calibrating {
         monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
         self.vote(settings, h);
         self.tracker.watch(p, settings, sample, h);
+        if settings.adapts {
+            self.learn_friction(p, sample, h);
+        }
         self.estimate(p, settings, sample)
     }
 
@@ -207,7 +223,8 @@ impl Observer for Calibrating {
         visit(&mut self.anchor.s);
         visit(&mut self.anchor.variance);
         self.grip.visit(visit);
-        self.slope.iter_mut().for_each(visit);
+        self.slope.iter_mut().for_each(&mut *visit);
+        self.map.iter_mut().for_each(|map| map.visit(visit));
     }
 }
 
@@ -258,6 +275,18 @@ impl Calibrating {
         }
     }
 
+    /// Friction over the position, of a clutch that slips while the other one is open.
+    fn learn_friction(&mut self, p: &Params, sample: &Sample, h: f64) {
+        let (lever, slipping) = (self.grip.lever, self.tracker.friction.slipping);
+        for i in (0..2).filter(|i| slipping[*i] >= SETTLING && lever[1 - i] <= 0.0) {
+            let torque = self.tracker.belief.x[T_C + i] * sample.slip()[i].signum();
+            let deviation = self.tracker.belief.deviation(&row(&[(T_C + i, 1.0)])) / lever[i];
+            let theta = p.clutch[i].reached(sample.actuation[i]);
+            let mu = torque / lever[i];
+            self.map[i].learn(&p.clutch[i].map, theta, mu, deviation * deviation, h);
+        }
+    }
+
     /// Keeps the parameters within what a vehicle can have; tells whether that was needed.
     fn project(&mut self) -> bool {
         let mut bounded = false;
@@ -293,6 +322,8 @@ impl Calibrating {
             said.value[k] = (1.0 + x[j]) * factor - 1.0;
             said.deviation[k] = ComplexField::sqrt(p[(j, j)] + self.anchor.variance);
         }
+        said.friction = self.map.map(|map| map.mu().map(|mu| mu * factor));
+        said.friction_deviation = self.map.map(|map| map.deviation().map(|s| s * factor));
         said
     }
 

@@ -15,7 +15,7 @@ const SLIP: f64 = 5.0;
 /// Torque per unit of friction above which a clutch can be judged [N·m].
 const LEVER: f64 = 20.0;
 /// Time for which it has to slip before it is judged [s].
-const SETTLING: f64 = 0.03;
+pub(super) const SETTLING: f64 = 0.03;
 /// Time constant of the low pass [s].
 const TAU: f64 = 0.05;
 /// Time a clutch has to be seen slipping alone before its friction is known [s].

@@ -21,6 +21,7 @@ pub mod encoder;
 pub mod energy;
 mod filter;
 pub mod friction;
+pub mod friction_map;
 pub mod grip;
 pub mod kalman;
 pub mod lever;

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod encoder;
+mod friction_map;
 mod gains;
 
 use super::Observer;
@@ -29,6 +30,8 @@ pub(super) const VARIABLES: &[Variable<Observer>] = table!(Observer:
     SETTINGS, NOMINAL_FRICTION, gains::GAINS, calibration::OUTPUTS, calibration::STARTS, calibration::ANCHORS,
     driveline(), road(), damper(), shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
     encoder::TICKS,
+    friction_map::learnt::<0>(), friction_map::learnt::<1>(),
+    friction_map::believed::<0>(), friction_map::believed::<1>(),
 );
 
 static LOAD_METHOD: Enumeration = Enumeration {

@@ -29,7 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--parameters", nargs=2, action="append", default=[],
                         metavar=("COMPONENT", "FILE"),
                         help="values of a component from a parameter file (.ssv)")  # fmt: skip
-    learnt = "calibration.ssv of an earlier run: the observer starts with what it had learnt"
+    learnt = "calibration.ssv of an earlier run: observer and control start with what it had learnt"
     parser.add_argument("--calibration", type=Path, metavar="FILE", help=learnt)
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
                         help="a parameter or start value; may be given more than once")  # fmt: skip
@@ -47,7 +47,7 @@ def choose(args: argparse.Namespace) -> Chosen:
     for component, file in args.parameters:
         _preset(model, component, Path(file))
     if args.calibration is not None:
-        calibration.apply(model, args.calibration)
+        calibration.apply(model, args.calibration, paths)
     for text in args.set:
         model.override(text)
     return model, paths, names, package

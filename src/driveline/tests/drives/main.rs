@@ -15,3 +15,4 @@ mod consistency;
 mod encoders;
 mod methods;
 mod observability;
+mod worn;
