@@ -16,6 +16,7 @@ use crate::observer::lever::Lever;
 use crate::observer::load::Load;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
+use crate::observer::schedule::{gain_scale, lowest_ratios};
 use crate::observer::{Estimate, Sample, Settings, Visit, common_estimate};
 use crate::reduced::{Discrete, Reduced};
 use nalgebra::{SMatrix, Vector2, Vector3};
@@ -48,6 +49,8 @@ pub struct Adaptive {
     pub friction: Friction,
     /// f_n of the last instant [N/m], shape (2); 0 below the touch point.
     pub f_n: [f64; 2],
+    /// r_c N θ_m of the last instant [m²], shape (2); 0 below the touch point.
+    pub arm: [f64; 2],
     /// Time for which a friction has been at its bound [s].
     pub saturated: f64,
     /// g of the last sample; x1 and x2 are defined by it.
@@ -89,6 +92,7 @@ impl Default for Adaptive {
             lock: Lock::default(),
             friction: Friction::nominal([0.0; 2]),
             f_n: [0.0; 2],
+            arm: [0.0; 2],
             saturated: 0.0,
             g: [1.0; 2],
             monitor: Monitor::default(),
@@ -165,6 +169,7 @@ impl Adaptive {
         self.lock.visit(visit);
         self.friction.visit(visit);
         self.f_n.iter_mut().for_each(&mut *visit);
+        self.arm.iter_mut().for_each(&mut *visit);
         visit(&mut self.saturated);
         self.g.iter_mut().for_each(&mut *visit);
         self.monitor.visit(visit);
@@ -281,8 +286,24 @@ impl Adaptive {
                 self.epsilon[i] = (mu - settings.mu_n[i]) * now;
             } else if slips {
                 self.epsilon[i] *= now / before;
+            } else if before > 0.0 && engaged[i] && !beyond[i] && levers[1 - i].f_n == 0.0 {
+                self.keep_torque(i, settings.mu_n[i], &levers[i]);
             }
-            self.f_n[i] = now;
+            (self.f_n[i], self.arm[i]) = (now, levers[i].arm);
+        }
+    }
+
+    /// ε̂ of the engaged clutch `i`, alone under force, whose friction is known: what stays while the actuator moves
+    /// is its torque, which is what the driveline needs, up to what the friction can carry.
+    ///
+    /// Deviation: with ε̂' ≈ 0 the torque of a clutch that is pressed home after it engaged rose with f_n, and (29) had
+    /// to take it back. In a handover it is right to fall with f_n: the other clutch takes over.
+    fn keep_torque(&mut self, i: usize, mu_n: f64, lever: &Lever) {
+        if lever.f_n > 0.0 && self.friction.known(i) {
+            let mu_f = mu_n * self.f_n[i] + self.epsilon[i];
+            let most = Friction::STATIC * self.friction.mu[i] * lever.f_n;
+            let kept = (mu_f * self.arm[i] / lever.arm).clamp(-most, most);
+            self.epsilon[i] = kept - mu_n * lever.f_n;
         }
     }
 
@@ -366,28 +387,6 @@ impl Adaptive {
         });
         (t_c, (l[(1, 1)] * e2 / now.model.b_coupling()).abs())
     }
-}
-
-/// Factor on L_c for the gears and the vehicle at hand [1], shape (2); 1 for those of Table 1, which the gains
-/// are given for.
-///
-/// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral, a higher gear or a
-/// lighter gearbox leaves less inertia at the output; the same L_c would lose stability.
-fn gain_scale(p: &Params, a: [f64; 2], reference: &Reduced) -> [f64; 2] {
-    let of_table = reference.a_slip();
-    [0, 1].map(|i| {
-        let radius = Params::TABLE_1.clutch[i].r_c_n / p.clutch[i].r_c_n;
-        let less = (of_table[i] / a[i] * radius).min(1.0);
-        less * less
-    })
-}
-
-/// Ratio of each shaft's lowest gear, which stands in until a shaft has had a gear; 1 without any.
-fn lowest_ratios(p: &Params) -> [f64; 2] {
-    [0, 1].map(|i| {
-        let lowest = p.i_t[i].iter().find(|i_t| **i_t != 0.0);
-        lowest.map_or(1.0, |i_t| i_t * p.i_f[i])
-    })
 }
 
 /// g1, g2 of the gears preselected; a shaft in neutral keeps its last ratio.

@@ -65,8 +65,6 @@ const LEVER: f64 = 20.0;
 const HANDOVER: f64 = 3.0;
 /// Time constant of what an engaged clutch carries per lever [s]: a clutch that lets go is noticed some 0.1 s later.
 const CARRIED: f64 = 0.1;
-/// Static over kinetic friction of a clutch lining, at most [1].
-const STATIC: f64 = 1.2;
 
 /// Gains that the proof leaves free.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -340,7 +338,7 @@ impl Energy {
             let w = self.levers(p, sample);
             let carried = self.torques(p, settings, sample)[i];
             let kinetic = self.friction.mu[i] * w[i].abs();
-            let most = STATIC * kinetic;
+            let most = Friction::STATIC * kinetic;
             self.x_hat[4] += carried.clamp(-most, most) - carried;
             let handover = w[1 - i] != 0.0;
             if carried.abs() > if handover { kinetic } else { most } {

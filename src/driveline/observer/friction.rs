@@ -35,6 +35,8 @@ pub struct Friction {
 impl Friction {
     /// Largest friction coefficient of any clutch lining [1].
     pub const PHYSICAL: f64 = 1.0;
+    /// Static over kinetic friction of a clutch lining, at most [1].
+    pub const STATIC: f64 = 1.2;
     /// Smallest friction coefficient a slipping clutch can have [1].
     const SMALLEST: f64 = 0.01;
 

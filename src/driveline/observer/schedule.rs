@@ -1,7 +1,8 @@
-//! Gains that follow the communication step.
+//! Gains that follow the communication step, and the gears and vehicle at hand.
 
 use crate::Params;
 use crate::observer::Sample;
+use crate::reduced::Reduced;
 use nalgebra::ComplexField;
 
 /// Largest (Ω h)² of an adaptation that swings with Ω [1].
@@ -29,6 +30,28 @@ pub fn followed(l_c: f64, p: &Params, sample: &Sample, i: usize, h: f64) -> f64 
     let g = p.g(sample.gear);
     let pace = l_c * (1.0 / p.j_ed() + g[i] * g[i] / p.j_out(g));
     l_c * (FOLLOWED / (pace * h * h)).min(1.0)
+}
+
+/// Factor on L_c for the gears and the vehicle at hand [1], shape (2); 1 for those of Table 1, which the gains
+/// are given for.
+///
+/// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral, a higher gear or a
+/// lighter gearbox leaves less inertia at the output; the same L_c would lose stability.
+pub fn gain_scale(p: &Params, a: [f64; 2], reference: &Reduced) -> [f64; 2] {
+    let of_table = reference.a_slip();
+    [0, 1].map(|i| {
+        let radius = Params::TABLE_1.clutch[i].r_c_n / p.clutch[i].r_c_n;
+        let less = (of_table[i] / a[i] * radius).min(1.0);
+        less * less
+    })
+}
+
+/// Ratio of each shaft's lowest gear, which stands in until a shaft has had a gear; 1 without any.
+pub fn lowest_ratios(p: &Params) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let lowest = p.i_t[i].iter().find(|i_t| **i_t != 0.0);
+        lowest.map_or(1.0, |i_t| i_t * p.i_f[i])
+    })
 }
 
 #[cfg(test)]
