@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from exchanges import exchanges
 from gate import Gate
 from loops import SWEPT, Loops
 from measure import Bench
@@ -19,7 +20,10 @@ FINE = 1e-3  # s
 def loops(bench: Bench) -> list[Gate]:
     """Judge all of them."""
     made = Loops(bench.stop, bench.rounds)
-    return [*fmpy(made), *others(made), *threads(made), around(made, bench)]
+    empty = Path(bench.empty_c.partition(";")[0])
+    return [
+        *fmpy(made), *others(made), *threads(made), *exchanges(made, empty), around(made, bench),
+    ]  # fmt: skip
 
 
 def fmpy(made: Loops) -> list[Gate]:

@@ -32,7 +32,7 @@ FMUS = ROOT / "target" / "fmu"
 MANY = 20  # runs that are given to threads
 BULK = 3  # runs of the quick engine in one measurement
 NOTHING = 200_000  # steps around two empty FMUs
-SWEPT = 4  # runs on dask; a thousand would be a thousand times the same
+SWEPT = 8  # runs on dask; a thousand would be a thousand times the same
 HELD = 5.0  # s; the scenario's instant whose values ecos is given
 SAME_LOOP = 1e-3  # relative; ecos is a Jacobi master
 REPEAT = WORK / "bin" / "repeat"  # by `cargo xtask bench`, from src/master/examples
@@ -101,6 +101,28 @@ class Loops:
     def _planned(self) -> _Planned:
         return planned(LOOP, self.model.step, self.model.stop)
 
+    @property
+    def plan(self) -> str:
+        """The loop as `cosim_master::Plan` in JSON."""
+        return self._planned.plan
+
+    @property
+    def script(self) -> np.ndarray:
+        """The scenario's signals, shape (samples, signals)."""
+        return self._planned.script
+
+    def rows(self, plan: str, script: np.ndarray) -> tuple[list[str], np.ndarray]:
+        """Return the names of all signals of a plan, and what the compiled master makes of them."""
+        ((names, rows, error, _),) = self.module.run([plan], self._planned.times, script, 1)
+        if error:
+            raise SystemExit(f"compiled master: {error}")
+        return names, rows
+
+    def cost(self, plan: str, script: np.ndarray) -> float:
+        """Return the CPU time of a plan by the compiled master [s], without loading."""
+        whole, start = (self._bulk(plan, script, BULK, 1, points) for points in (None, 2))
+        return whole - start
+
     def native(self, runs: int, threads: int, points: int | None = None) -> float:
         """Return the CPU time of one run by the compiled master [s], over the first `points`."""
         run = self._planned
@@ -115,7 +137,7 @@ class Loops:
 
     def compiled(self) -> float:
         """Return the CPU time of the loop by the compiled master [s], without loading."""
-        return self.native(BULK, 1) - self.native(BULK, 1, points=2)
+        return self.cost(self.plan, self.script)
 
     def alone(self) -> float:
         """Return the CPU time of the loop by the compiled master without Python [s]."""
@@ -189,19 +211,15 @@ class Loops:
 
     def _ended(self, names: tuple[str, ...]) -> np.ndarray:
         plan = json.dumps({**json.loads(self._planned.plan), "record": names})
-        ((_, rows, error, _),) = self.module.run([plan], self._planned.times, self._held_script, 1)
-        if error:
-            raise SystemExit(f"compiled master: {error}")
-        return rows[-1]
+        return self.rows(plan, self._held_script)[1][-1]
 
     @cached_property
     def _held_script(self) -> np.ndarray:
         return np.tile(self._hold, (self.steps + 1, 1))
 
     def _held(self) -> float:
-        plan = json.dumps({**json.loads(self._planned.plan), "record": []})
-        whole, start = (self._bulk(plan, self._held_script, BULK, 1, n) for n in (None, 2))
-        return whole - start
+        plan = json.dumps({**json.loads(self.plan), "record": []})
+        return self.cost(plan, self._held_script)
 
     @cached_property
     def sweeps(self) -> np.ndarray:
