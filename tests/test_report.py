@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import closed_loop_runs
 import pytest
 from dct_harness import report
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -259,6 +260,27 @@ def test_methods_side_by_side_draw(browser: Browser, shots: Path, tmp_path: Path
     visited.page.screenshot(path=shots / "methods.png")
     assert visited.complaints == []
     visited.page.close()
+
+
+def test_friction_over_the_position_keeps_its_axis(
+    browser: Browser, shots: Path, tmp_path: Path
+) -> None:
+    """Drawn over the stroke: the time window of the other figures does not move it."""
+    closed_loop_runs.run("calibration_worn", (), tmp_path / "run")
+    visited = Visit(browser, report.write([tmp_path / "run"], tmp_path / "report", "Worn"))
+    page = visited.page
+    plot = page.locator(".plot[id^=frictionmap]")
+    titles = plot.locator(".infolayer text[class*=title]").all_text_contents()
+    assert titles.count("position [mm]") == 2
+    page.select_option("#zoom", label="launch (1–4 s)")
+    moved = "(f) => f.id.startsWith('torques') && Math.abs(f.ranges[0][0] - 1) < 1e-9"
+    page.wait_for_function(f"() => ({RANGES})().some({moved})")
+    (own,) = (f for f in page.evaluate(RANGES) if f["id"].startswith("frictionmap"))
+    assert own["ranges"] == [[2.0, 10.0]] * 2
+    plot.scroll_into_view_if_needed()
+    plot.screenshot(path=shots / "friction-map.png")
+    assert visited.complaints == []
+    page.close()
 
 
 def test_every_axis_names_its_unit(visit: Visit) -> None:

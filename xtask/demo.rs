@@ -6,11 +6,12 @@ use std::path::Path;
 use std::process::Command;
 
 /// Result directory under `target/demo`, system file, feedback of the control.
-const RUNS: [(&str, &str, Option<bool>); 12] = [
+const RUNS: [(&str, &str, Option<bool>); 13] = [
     ("methods_case1", "methods_case1", None),
     ("methods_case2", "methods_case2", None),
     ("calibration_case1", "calibration_case1", None),
     ("calibration_torque", "calibration_torque", None),
+    ("calibration_worn", "calibration_worn", None),
     ("torque_tracking_case1", "torque_tracking_case1", Some(true)),
     (
         "torque_tracking_case1_no_feedback",

@@ -23,6 +23,7 @@ from . import (
     downsample,
     earlier,
     figures,
+    friction_map,
     methods,
     runs,
     shaft_model,
@@ -141,7 +142,7 @@ def _section(view: View, earlier: list[View]) -> dict[str, Any]:
     makers = (figures.track,) if methods.several(view) else SINGLE
     made = methods.drawn(view) if methods.several(view) else []
     made += [figure for make in makers if (figure := make(view)) is not None]
-    made += calibration.drawn(view)
+    made += calibration.drawn(view) + friction_map.drawn(view)
     if twin is None and (first := figures.driveline(view)) is not None:
         made.insert(0, first)
     side = methods.table(view) if methods.several(view) else None

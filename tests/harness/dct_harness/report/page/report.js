@@ -26,6 +26,8 @@
     return { x: `x${suffix}`, y: `y${suffix}`, xaxis: `xaxis${suffix}`, yaxis: `yaxis${suffix}` };
   }
 
+  // A figure over something else than time, `across`, keeps its own range.
+  const windowOf = (spec) => (spec.across ? spec.range : range ?? spec.range);
   const above = (spec) => (spec.legend === false ? PIXELS.heading : PIXELS.top);
 
   // Panels row by row; returns for each its domain in paper units and whether it is lowest.
@@ -124,8 +126,8 @@
       const names = axisNames(k);
       const at = places[k];
       axes[names.xaxis] = { ...look, domain: at.x, anchor: names.y, matches: k ? "x" : undefined,
-        showticklabels: at.lowest, range: [...(range ?? spec.range)], autorange: false,
-        title: { ...look.title, text: at.lowest ? "time [s]" : "" }, hoverformat: ".3f",
+        showticklabels: at.lowest, range: [...windowOf(spec)], autorange: false,
+        title: { ...look.title, text: at.lowest ? spec.across ?? "time [s]" : "" }, hoverformat: ".3f",
         ticksuffix: "", rangemode: "normal" };
       axes[names.yaxis] = { ...look, domain: at.y, anchor: names.x, fixedrange: Boolean(panel.ticks),
         title: { ...look.title, text: panel.ticks ? "" : panel.title }, nticks: 6,
@@ -162,7 +164,7 @@
 
   function view(spec) {
     const annotations = [...namesOf(spec), ...headingsOf(spec, place(spec))];
-    return { "xaxis.range": [...(range ?? spec.range)], annotations };
+    return { "xaxis.range": [...windowOf(spec)], annotations };
   }
 
   // Give every drawn figure the shared window; the one that started it has it already.
@@ -173,7 +175,7 @@
     if (menu.value !== value) menu.value = "custom";
     sharing = true;
     try {
-      for (const spec of specs) {
+      for (const spec of specs.filter((s) => !s.across)) {
         const div = document.getElementById(spec.id);
         if (div === source) await Plotly.relayout(div, { annotations: view(spec).annotations });
         else if (div.data) await Plotly.relayout(div, view(spec));
@@ -209,6 +211,7 @@
     const div = document.getElementById(spec.id);
     const { data, layout } = figureOf(spec);
     await Plotly.newPlot(div, data, layout, CONFIG);
+    if (spec.across) return;
     div.on("plotly_relayout", (change) => onRelayout(div, change));
     div.on("plotly_doubleclick", () => share(null, null));
     div.addEventListener("keydown", (event) => onKey(div, event));
