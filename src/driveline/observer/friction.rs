@@ -7,7 +7,7 @@
 //! tell together is better than the nominal value.
 
 use crate::Params;
-use crate::observer::{Sample, Visit};
+use crate::observer::{Sample, Visit, lasting};
 use nalgebra::ComplexField;
 
 /// Slip above which a clutch certainly slips [rad/s].
@@ -15,11 +15,11 @@ const SLIP: f64 = 5.0;
 /// Torque per unit of friction above which a clutch can be judged [N·m].
 const LEVER: f64 = 20.0;
 /// Time for which it has to slip before it is judged [s].
-pub(super) const SETTLING: f64 = 0.03;
+pub(super) const SETTLING: f64 = lasting(0.03);
 /// Time constant of the low pass [s].
 const TAU: f64 = 0.05;
 /// Time a clutch has to be seen slipping alone before its friction is known [s].
-const KNOWN: f64 = 2.0 * TAU;
+const KNOWN: f64 = lasting(2.0 * TAU);
 
 /// Friction learnt in both clutches.
 #[derive(Debug, Clone, Copy, PartialEq)]

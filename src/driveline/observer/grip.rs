@@ -6,7 +6,7 @@
 
 use crate::Params;
 use crate::observer::lock::SLIP;
-use crate::observer::{Sample, Visit};
+use crate::observer::{Sample, Visit, lasting};
 
 /// Time constant of the filtered slip [s].
 const TAU: f64 = 0.01;
@@ -14,7 +14,7 @@ const TAU: f64 = 0.01;
 /// synchroniser shakes the damper none does.
 const HOLDS: f64 = 0.25;
 /// Time for which an engaged clutch has to hold before its torque is a constraint [s].
-const FIRM: f64 = 0.1;
+const FIRM: f64 = lasting(0.1);
 /// Lever from which the torque tells a friction [N·m].
 const LEVER: f64 = 20.0;
 

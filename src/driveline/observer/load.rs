@@ -22,7 +22,7 @@
 
 use crate::Params;
 use crate::observer::lock::Lock;
-use crate::observer::{Sample, Visit, brake, visit_switch};
+use crate::observer::{Sample, Visit, brake, lasting, visit_switch};
 use nalgebra::ComplexField;
 
 /// How the load torque is found.
@@ -39,7 +39,7 @@ pub enum LoadMethod {
 /// τ: time constant of the filter on both sides of (20) [s].
 const TAU: f64 = 0.1;
 /// Time the filter settles after a clutch engaged before its output counts [s].
-const SETTLING: f64 = 3.0 * TAU;
+const SETTLING: f64 = lasting(3.0 * TAU);
 
 /// The filter of (20) and the load it found last.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,13 +17,13 @@
 //! ```
 
 use crate::Params;
-use crate::observer::{Sample, Visit, visit_switch};
+use crate::observer::{Sample, Visit, lasting, visit_switch};
 use nalgebra::ComplexField;
 
 /// Slip below which a clutch may be engaged [rad/s].
 pub const SLIP: f64 = 3.0;
 /// Time for which it has to be [s].
-const TIME: f64 = 0.03;
+const TIME: f64 = lasting(0.03);
 
 /// What the slip of each clutch has told.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -211,6 +211,16 @@ impl Estimate {
 /// Visits numbers of a state: reads or writes them.
 pub type Visit<'a> = &'a mut dyn FnMut(&mut f64);
 
+/// A time [s] that counts as over once the steps counted fall short of it by rounding alone.
+///
+/// At 10 ms such times are whole numbers of steps, and 0.01 + 0.01 + 0.01, reckoned as differences of times, may be short
+/// of 0.03 by the last bit: the decision would come a step later, and the friction that is learnt, and with it a closed
+/// loop, would differ visibly.
+const fn lasting(time: f64) -> f64 {
+    const ROUNDING: f64 = 1e-9; // of all that is counted, and far below any step
+    time - ROUNDING
+}
+
 /// Visits a switch of a state as 0 or 1.
 fn visit_switch(switch: &mut bool, visit: Visit<'_>) {
     let mut code = if *switch { 1.0 } else { 0.0 };

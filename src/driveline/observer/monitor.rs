@@ -6,11 +6,11 @@
 //! with its torque, and with an engaged clutch.
 
 use crate::Params;
-use crate::observer::{Sample, Visit};
+use crate::observer::{Sample, Visit, lasting};
 use core::fmt;
 
 /// Time for which a fault has to last before it is told [s].
-pub const PATIENCE: f64 = 0.1;
+pub const PATIENCE: f64 = lasting(0.1);
 /// Motion of its partners, added up, that a standing signal cannot follow: output side [rad/s].
 const MOVED: f64 = 0.5;
 /// Motion of a clutch that an engine engaged with it must follow [rad/s].

@@ -2,7 +2,7 @@
 
 use crate::bench::sensors::{encoder, noisy, perfect};
 use crate::bench::{observe, scenarios};
-use dct_driveline::observer::{Fault, Method, Sample, Selected, Settings};
+use dct_driveline::observer::{Fault, Method, Observer, Sample, Selected, Settings};
 
 const H: f64 = 1e-3;
 
@@ -82,5 +82,28 @@ fn every_method_has_sign_and_size_of_engine_braking() {
         let rms = f64::sqrt(square / count);
         println!("{method:?}: {rms:.2} N·m");
         assert!(rms <= RMS, "{method:?}: {rms:.2} N·m RMS");
+    }
+}
+
+/// Steps reckoned as differences of times are 10 ms but for their last bits; no decision depends on these. The times
+/// that a lock or a learnt friction takes are whole numbers of such steps: one step more for them was up to 16 N·m.
+#[test]
+fn estimates_do_not_depend_on_the_last_bit_of_a_step() {
+    const STEP: f64 = 1e-2;
+    let drive = scenarios::paper().drive(STEP);
+    for method in Method::ALL {
+        let [mut ours, mut theirs] = [Selected::new(method), Selected::new(method)];
+        let (p, settings) = (&drive.p, Settings::CASE_1);
+        ours.start(p, &settings, &drive.start);
+        theirs.start(p, &settings, &drive.start);
+        let mut last = 0.0;
+        for (k, moment) in drive.moments.iter().enumerate() {
+            let time = (k + 1) as f64 * STEP;
+            let one = ours.step(p, &settings, &moment.sample, STEP);
+            let other = theirs.step(p, &settings, &moment.sample, time - last);
+            last = time;
+            let apart = (one.t_o - other.t_o).abs();
+            assert!(apart < 1e-5, "{method:?} t = {time:.2} s: {apart:e} N·m");
+        }
     }
 }
