@@ -23,6 +23,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         "reference/cli.md": command_line(),
         "reference/cargo.md": cargo(),
         "reference/kpis.md": registry.markdown(),
+        "reference/master.md": _text("src/master/README.md"),
         "reference/variables.md": _text("modelDescription/VARIABLES.md"),
         "paper.md": _text("PAPER.md"),
     }

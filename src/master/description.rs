@@ -3,6 +3,7 @@
 //! The description of the `fmi` crate leaves out what an Enumeration's items and a unit's factor
 //! are; hence this reader of just what a master needs.
 
+use crate::known_units;
 use crate::unit::Unit;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -47,8 +48,12 @@ pub struct Variable {
     pub causality: Causality,
     /// Items of its enumeration: name and number.
     pub items: Vec<(String, i32)>,
-    /// Its unit, when the FMU defines one.
+    /// Its unit, when the FMU defines it or it is known by its name.
     pub unit: Option<Unit>,
+    /// Name of its unit as the FMU states it; empty without one.
+    pub unit_name: String,
+    /// Its start value as the FMU states it.
+    pub start: Option<String>,
     /// Whether it is a Real that changes continuously.
     pub continuous: bool,
 }
@@ -170,18 +175,45 @@ impl Known<'_> {
             causality: causality(node),
             items: declared.map(items).unwrap_or_default(),
             unit: element.and_then(|element| self.unit(element, declared)),
+            unit_name: element
+                .map(|element| unit_name(element, declared))
+                .unwrap_or_default(),
+            start: element
+                .and_then(|element| element.attribute("start"))
+                .map(str::to_owned),
             continuous: family == Family::Real && goes_on(node),
         }))
     }
 
     /// The unit that a variable or its type states; one for differences has no offset.
     fn unit(&self, element: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Option<Unit> {
-        let kind = declared.and_then(|kind| kind.children().find(Node::is_element));
-        let stated = |name| element.attribute(name).or_else(|| kind?.attribute(name));
-        let unit = self.units.get(stated("unit")?)?.clone();
-        let relative = matches!(stated("relativeQuantity"), Some("true" | "1"));
+        let name = unit_name(element, declared);
+        if name.is_empty() {
+            return None;
+        }
+        let unit = self.units.get(&name).cloned();
+        let unit = unit.or_else(|| known_units::find(&name))?;
+        let relative = stated(element, declared, "relativeQuantity");
+        let relative = matches!(relative, Some("true" | "1"));
         Some(if relative { unit.difference() } else { unit })
     }
+}
+
+/// What a variable says, or else its type.
+fn stated<'a>(
+    element: Node<'a, '_>,
+    declared: Option<Node<'a, '_>>,
+    name: &str,
+) -> Option<&'a str> {
+    let kind = declared.and_then(|kind| kind.children().find(Node::is_element));
+    let own = element.attribute(name);
+    own.or_else(|| kind?.attribute(name))
+}
+
+fn unit_name(element: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> String {
+    stated(element, declared, "unit")
+        .unwrap_or_default()
+        .to_owned()
 }
 
 fn goes_on(node: Node<'_, '_>) -> bool {

@@ -41,14 +41,18 @@
 //!   maximum: [`description`] reads the file itself;
 //! - `import::from_path` unpacks everything: `package` unpacks what a run needs.
 
+mod contract;
 mod derivatives;
 pub mod description;
 mod discard;
 mod error;
 mod fmu;
 mod gather;
+pub mod known_units;
 mod library;
+mod linker;
 mod mapped;
+mod mapping;
 mod package;
 mod parallel;
 mod part;
@@ -59,6 +63,7 @@ mod signals;
 mod slopes;
 mod ssv;
 mod start;
+mod supplier;
 mod system;
 pub mod unit;
 mod wiring;
@@ -67,6 +72,7 @@ mod world;
 pub use cosim_raw::Message;
 pub use error::Error;
 pub use library::{Libraries, Library};
+pub use mapping::Mapping;
 pub use parallel::{Job, Made, Outcome, Told, run_all, run_into};
 pub use plan::Plan;
 pub use run::Run;

@@ -2,7 +2,9 @@
 
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
-use cosim_master::{Error, Job, Libraries, Message, Outcome, Scenario, System, Told, run_all};
+use cosim_master::{
+    Error, Job, Libraries, Mapping, Message, Outcome, Scenario, System, Told, run_all,
+};
 use std::fmt::Write as _;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -21,9 +23,10 @@ struct Words {
 enum Verb {
     /// Run a closed loop and write its results as CSV.
     ///
-    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports and the
-    /// mappings of suppliers' FMUs are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run
-    /// --engine native`, which puts others into a process of their own.
+    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports, .ssp files and noise
+    /// are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run --engine native`,
+    /// which puts others into a process of their own.
+    #[command(verbatim_doc_comment)]
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunWords),
 }
@@ -34,6 +37,7 @@ Examples:
   cosim run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
   cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10 --interpolate
   cosim run examples/closed_loop/paper_case1.toml --record plant.vehicle.speed
+  cosim run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml
 
 Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed; the rows
 before a failure are written.";
@@ -51,6 +55,12 @@ struct RunWords {
     /// Scenario CSV instead of the file's.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// FMU to use as component `plant`.
+    #[arg(long, value_name = "FMU")]
+    plant: Option<PathBuf>,
+    /// Mapping file (.toml): names, units and codings of that plant.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
     /// Where FMUs are.
     #[arg(long, value_name = "FOLDER", default_value = "target/fmu")]
     fmu_dir: PathBuf,
@@ -112,6 +122,12 @@ fn run(words: RunWords) -> Result<String, Error> {
     system.stop = words.stop.unwrap_or(system.stop);
     system.scenario = words.scenario.unwrap_or(system.scenario);
     system.interpolate |= words.interpolate;
+    words
+        .plant
+        .map_or(Ok(()), |fmu| system.replace_plant(fmu))?;
+    if let Some(file) = &words.map {
+        system.map(Mapping::load(file)?)?;
+    }
     for (component, variable, value) in words.set {
         system.set(&component, &variable, value)?;
     }

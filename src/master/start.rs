@@ -36,6 +36,8 @@ mod tests {
             causality: Causality::Other,
             items: vec![("open".into(), 1), ("shut".into(), 2)],
             unit: None,
+            unit_name: String::new(),
+            start: None,
             continuous: true,
         }
     }

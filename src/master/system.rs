@@ -2,17 +2,23 @@
 
 use crate::description::Description;
 use crate::error::Error;
-use crate::library::Libraries;
+use crate::library::{Libraries, Library};
+use crate::mapping::Mapping;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
+use crate::supplier::{Supplier, put};
 use crate::{ssv, wiring};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Components that step first, in this order; all others keep the order of the file.
 const ORDER: [&str; 3] = ["plant", "observer", "control"];
+
+/// The component that a mapping is for.
+const PLANT: &str = "plant";
 
 /// More communication points than this are a mistake.
 const MOST_STEPS: f64 = 1e8;
@@ -107,6 +113,8 @@ pub struct System {
     parts: Vec<(String, Part)>,
     connections: Vec<Connection>,
     overrides: Vec<(String, String, Value)>,
+    plant: Option<PathBuf>,
+    mapping: Option<Mapping>,
 }
 
 impl System {
@@ -142,6 +150,8 @@ impl System {
             parts,
             connections: file.connections,
             overrides: vec![],
+            plant: None,
+            mapping: None,
         })
     }
 
@@ -156,6 +166,39 @@ impl System {
         self.overrides
             .push((component.into(), variable.into(), value));
         Ok(())
+    }
+
+    /// Takes another FMU as component `plant`.
+    pub fn replace_plant(&mut self, fmu: PathBuf) -> Result<(), Error> {
+        self.needs_plant("--plant")?;
+        self.plant = Some(fmu);
+        Ok(())
+    }
+
+    /// Lets the plant stand under the names, units and codings of a mapping.
+    pub fn map(&mut self, mapping: Mapping) -> Result<(), Error> {
+        self.needs_plant("--map")?;
+        let known = |name: &String| {
+            let standard = ORDER.contains(&name.as_str());
+            standard || self.parts.iter().any(|(known, _)| known == name)
+        };
+        let mut named = mapping.values.keys().chain(&mapping.share);
+        if let Some(missing) = named.find(|name| !known(name)) {
+            let file = self.path.display();
+            return Err(mapping.error(format!("{file} has no component '{missing}'")));
+        }
+        self.mapping = Some(mapping);
+        Ok(())
+    }
+
+    fn needs_plant(&self, option: &str) -> Result<(), Error> {
+        if self.parts.iter().any(|(name, _)| name == PLANT) {
+            return Ok(());
+        }
+        let file = self.path.display();
+        Err(Error::Usage(format!(
+            "{option}: {file} has no component '{PLANT}'"
+        )))
     }
 
     /// Communication points [s].
@@ -181,24 +224,30 @@ impl System {
         scenario: &Scenario,
         libraries: &mut Libraries,
     ) -> Result<(Plan, Vec<bool>), Error> {
-        let mut opened = vec![];
+        let opened = self.opened(folder, libraries)?;
         let mut components = vec![];
-        for (name, part) in &self.parts {
-            let fmu = folder.join(&part.fmu);
-            let library = libraries.open(&fmu)?;
+        for ((name, part), library) in self.parts.iter().zip(&opened) {
             components.push(Component {
                 name: name.clone(),
                 start: self.values(name, part, library.description())?,
-                fmu,
+                fmu: library.path.clone(),
                 inputs: vec![],
                 substeps: part.substeps.max(1),
                 mapped: None,
             });
-            opened.push(library);
         }
-        let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
-        wiring::wire(&mut components, &descriptions, &self.connections, scenario)?;
-        let (script, held) = wiring::script(&components, &descriptions, scenario);
+        let supplier = self.supplier(&opened, &mut components)?;
+        let seen = self.parts.iter().zip(&opened).map(|((name, _), library)| {
+            let ours = supplier.as_ref().filter(|_| name == PLANT);
+            ours.map_or(library.description(), |supplier| &supplier.ours)
+        });
+        let seen: Vec<&Description> = seen.collect();
+        wiring::wire(&mut components, &seen, &self.connections, scenario)?;
+        let (script, held) = wiring::script(&components, &seen, scenario);
+        if let (Some(supplier), Some(plant)) = (&supplier, plant(&mut components)) {
+            plant.start = supplier.translated(&plant.start)?;
+            plant.mapped = Some(supplier.plan());
+        }
         let plan = Plan {
             components,
             coupling: self.coupling,
@@ -207,6 +256,37 @@ impl System {
             record: None,
         };
         Ok((plan, held))
+    }
+
+    fn opened(&self, folder: &Path, libraries: &mut Libraries) -> Result<Vec<Arc<Library>>, Error> {
+        let own = |name: &str| self.plant.as_ref().filter(|_| name == PLANT);
+        let paths = self.parts.iter().map(|(name, part)| {
+            let given = own(name).cloned();
+            given.unwrap_or_else(|| folder.join(&part.fmu))
+        });
+        paths.map(|path| libraries.open(&path)).collect()
+    }
+
+    /// The mapped plant, if there is a mapping; others have got from it what it shares.
+    fn supplier<'a>(
+        &'a self,
+        opened: &'a [Arc<Library>],
+        components: &mut [Component],
+    ) -> Result<Option<Supplier<'a>>, Error> {
+        let place = components.iter().position(|part| part.name == PLANT);
+        let library = place.and_then(|place| opened.get(place));
+        let (Some(mapping), Some(library)) = (&self.mapping, library) else {
+            return Ok(None);
+        };
+        let supplier = Supplier::new(mapping, library.description())?;
+        let values = plant(components).map(|plant| plant.start.clone());
+        let shared = supplier.shared(&values.unwrap_or_default());
+        let all = components.iter_mut().zip(opened);
+        let there = all.filter(|(part, _)| mapping.share.contains(&part.name));
+        for (part, library) in there {
+            supplier.share(&shared, library.description(), &mut part.start);
+        }
+        Ok(Some(supplier))
     }
 
     /// Values of a component; of two for one variable the last counts.
@@ -231,6 +311,14 @@ impl System {
                 .into_iter()
                 .for_each(|(name, value)| put(&mut found, name, value));
         }
+        if let Some(mapping) = &self.mapping {
+            if name == PLANT {
+                found.retain(|(known, _)| !mapping.ignore.contains(known));
+            }
+            for (known, value) in mapping.values.get(name).into_iter().flatten() {
+                put(&mut found, known.clone(), value.clone());
+            }
+        }
         for (component, variable, value) in &self.overrides {
             if component == name {
                 put(&mut found, variable.clone(), value.clone());
@@ -240,12 +328,8 @@ impl System {
     }
 }
 
-/// A value that is given again keeps its first place.
-fn put(values: &mut Vec<(String, Value)>, name: String, value: Value) {
-    match values.iter_mut().find(|(known, _)| *known == name) {
-        Some((_, old)) => *old = value,
-        None => values.push((name, value)),
-    }
+fn plant(components: &mut [Component]) -> Option<&mut Component> {
+    components.iter_mut().find(|part| part.name == PLANT)
 }
 
 fn rank(name: &str) -> usize {

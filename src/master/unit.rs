@@ -37,6 +37,16 @@ impl Unit {
         Some((name, unit))
     }
 
+    /// A coherent unit: its values are in SI.
+    pub fn named(name: &str, exponents: [i32; 8]) -> Self {
+        Self {
+            name: name.to_owned(),
+            exponents,
+            factor: 1.0,
+            offset: 0.0,
+        }
+    }
+
     /// The unit for differences, which has no offset.
     #[must_use]
     pub fn difference(self) -> Self {
@@ -44,6 +54,22 @@ impl Unit {
             offset: 0.0,
             ..self
         }
+    }
+
+    /// Exponents as text, `kg m2 s-2`; `1` for none.
+    pub fn dimension(&self) -> String {
+        let bases = BASES.iter().zip(self.exponents);
+        let parts = bases.filter(|(_, exponent)| *exponent != 0);
+        let parts: Vec<String> = parts
+            .map(|(base, exponent)| match exponent {
+                1 => (*base).to_owned(),
+                exponent => format!("{base}{exponent}"),
+            })
+            .collect();
+        if parts.is_empty() {
+            return "1".to_owned();
+        }
+        parts.join(" ")
     }
 
     /// Factor and offset of target value = factor * value + offset; none when the two measure
