@@ -3,6 +3,10 @@
 /// Number of points of a force-position map.
 pub const MAP_POINTS: usize = 10;
 
+/// Steps that lead from the first point of a map to any other one, each half of those that are left.
+const HALVES: [usize; 4] = [5, 2, 1, 1];
+const _: () = assert!(HALVES[0] + HALVES[1] + HALVES[2] + HALVES[3] == MAP_POINTS - 1);
+
 /// Normal force of a clutch over the position of its actuator (Fig. 6).
 ///
 /// Linear between points, constant outside. `position` [m] ascends strictly; `force` [N] is ≥ 0 and
@@ -81,11 +85,15 @@ fn interpolate(xs: &[f64; MAP_POINTS], ys: &[f64; MAP_POINTS], x: f64) -> f64 {
     if x <= xs[0] {
         return ys[0];
     }
-    let end = xs.iter().filter(|end| **end < x).count(); // of all, without a branch
-    if end >= MAP_POINTS {
+    let mut start = 0;
+    for step in HALVES {
+        let later = start + step;
+        start = if xs[later] < x { later } else { start }; // without a branch
+    }
+    if start + 1 >= MAP_POINTS {
         return ys[MAP_POINTS - 1];
     }
-    let start = end - 1;
+    let end = start + 1;
     ys[start] + (ys[end] - ys[start]) * (x - xs[start]) / (xs[end] - xs[start])
 }
 

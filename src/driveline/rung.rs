@@ -206,15 +206,17 @@ impl Rung {
     /// Motion from a start, as if no torque had a ramp.
     #[inline(never)] // a function of its own has registers for it
     fn motion_held(&self, start: &Start) -> Motion {
+        let (x, entries) = (&start.x, &start.entries);
+        let sliding = [1, 2].map(|q| start.torque(q)) != [0.0; 2];
         if self.rigid {
-            let held = Held::<RIGID>::new(self, &start.x, start.entries.first());
+            let held = Held::<RIGID>::new(self, x, entries.first(), sliding);
             let shafts = self.ratio.map(|ratio| ratio * held.rows[2]);
             let mut rows = [0.0; ALL];
             rows[..MAIN].copy_from_slice(&held.rows);
             rows[MAIN..MAIN + 2].copy_from_slice(&shafts);
             Motion(rows)
         } else {
-            Motion(Held::<COMPLIANT>::new(self, &start.x, start.entries.first()).rows)
+            Motion(Held::<COMPLIANT>::new(self, x, entries.first(), sliding).rows)
         }
     }
 

@@ -219,13 +219,13 @@ impl Model for Plant {
         if !settled || self.state.synchroniser != [Mode::Open; 2] {
             self.tell_gears(&input, &rate, time, log);
         }
-        let speed = self.speed();
+        let (p, speed) = (&*self.p, self.speed());
         let mut ladders = OneStep {
             propagation: &mut self.propagation,
             step,
         };
         self.state
-            .step_observed(&self.p, &mut ladders, &input, &rate, |after, from, to| {
+            .step_observed(p, &mut ladders, &input, &rate, |after, from, to| {
                 for i in (0..PARTS.len()).filter(|i| from[*i] != to[*i]) {
                     let (at, part) = (time + after, PARTS[i]);
                     log.event(format_args!(
@@ -234,9 +234,10 @@ impl Model for Plant {
                     ));
                 }
             });
+        let speed_end = p.road.r_w * self.state.x[W];
         self.jerk_filter
-            .advance(speed, self.speed(), step, self.jerk_time);
-        self.state.write_speeds(&self.p, &mut self.y);
+            .advance(speed, speed_end, step, self.jerk_time);
+        self.state.write_speeds(p, &mut self.y);
         self.check_finite(time + step)
     }
 

@@ -4,7 +4,7 @@ use crate::Params;
 use crate::plant::Plant;
 use crate::plant::block::torques;
 use crate::plant::brake::drive_shaft_torque;
-use crate::plant::matrices::{C, D, E, O, Systems, TWIST_D, W};
+use crate::plant::matrices::{C, D, E, O, State, Systems, TWIST_D, W};
 use crate::plant::modes::{Mode, stuck_set};
 use crate::plant::ports::{ClutchState, Input, Output};
 
@@ -26,18 +26,11 @@ impl Plant {
     }
 
     /// A sum of squares of states and of everything booked: not finite as soon as any of them is not.
-    #[inline(never)] // a function of its own has registers for it
     pub fn size(&self) -> f64 {
-        let x = &self.x.data.0[0];
-        let mut lanes = [x[0] * x[0], x[1] * x[1]];
-        for x in x[2..].as_chunks::<2>().0 {
-            lanes[0] += x[0] * x[0];
-            lanes[1] += x[1] * x[1];
-        }
         let [one, two] = self.work.friction;
         let lost = one + two + self.work.viscous + self.work.synchroniser + self.work.brake;
         let [warm, hot] = self.temperature;
-        lanes[0] + lanes[1] + (lost + self.work.engine + self.work.load) + (warm + hot)
+        squares(&self.x) + (lost + self.work.engine + self.work.load) + (warm + hot)
     }
 
     /// [`Self::outputs`] into their place.
@@ -125,4 +118,15 @@ impl Plant {
         let direction = self.brake_direction();
         input.load_torque(p, grade, self.x[W], direction).0
     }
+}
+
+/// Σ x², of two lanes.
+#[inline(never)] // by itself it takes pairs; beside other sums it would not
+fn squares(x: &State) -> f64 {
+    let mut lanes = [0.0; 2];
+    for x in x.data.0[0].as_chunks::<2>().0 {
+        lanes[0] += x[0] * x[0];
+        lanes[1] += x[1] * x[1];
+    }
+    lanes[0] + lanes[1]
 }

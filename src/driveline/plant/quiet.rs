@@ -18,6 +18,7 @@ use crate::rung::start::{RAMPS, TORQUE};
 use crate::rung::watch::Watch;
 
 /// The ordinary step, from its start to its end.
+#[derive(Clone, Copy)]
 struct Quiet<'a, const N: usize> {
     rung: &'a Rung,
     set: usize,
@@ -40,11 +41,11 @@ impl Plant {
         }
         let propagators = ladders.of(p, self.gear.into());
         self.grade.become_of(input.phi);
-        let (rung, _) = propagators.longest(stuck_set(self.modes));
-        if rung.is_rigid() {
-            self.take::<RIGID>(p, propagators, input)
+        let set = stuck_set(self.modes);
+        if propagators.longest(set).0.is_rigid() {
+            self.take::<RIGID>(p, propagators, set, input)
         } else {
-            self.take::<COMPLIANT>(p, propagators, input)
+            self.take::<COMPLIANT>(p, propagators, set, input)
         }
     }
 
@@ -54,14 +55,21 @@ impl Plant {
         &mut self,
         p: &Params,
         propagators: &Propagators,
+        set: usize,
         input: &Input,
     ) -> bool {
-        let (set, systems) = (stuck_set(self.modes), &propagators.systems);
-        let (rung, watches) = propagators.longest(set);
+        let ((rung, watches), systems) = (propagators.longest(set), &propagators.systems);
         self.grade.travel(&p.road, self.x[W]);
         let here = p.road.smeared_load_here(self.x[W], &self.grade);
-        let z = Held::entries(rung, &self.x, [input.t_e, here.0], self.friction(p, input));
-        let mut held = Held::<N>::new(rung, &self.x, z);
+        let sliding = self.modes.map(Mode::direction) != [0.0; 2];
+        let friction = if sliding {
+            let v = torques(p, self.modes, [1.0; 2], 0.0, input.force, 0.0);
+            [v[1], v[2]]
+        } else {
+            [0.0; 2]
+        };
+        let z = Held::entries(rung, &self.x, [input.t_e, here.0], friction);
+        let mut held = Held::<N>::new(rung, &self.x, z, sliding);
         let ramp = load_ramp(rung, here, held.wheel_speed_change(), |change| {
             p.road.smeared_load_near(self.x[W] + change, &self.grade)
         });
@@ -74,21 +82,11 @@ impl Plant {
         };
         let quiet = [0, 1]
             .into_iter()
-            .all(|i| self.is_quiet(p, input, i, &step, &watches[i], systems));
+            .all(|i| self.is_quiet(p, input, i, step, &watches[i], systems));
         if quiet {
             self.arrive(rung, &held, systems, set);
         }
         quiet
-    }
-
-    /// Friction torques of slipping clutches [N·m], shape (2).
-    #[inline(always)]
-    fn friction(&self, p: &Params, input: &Input) -> [f64; 2] {
-        if self.modes.map(Mode::direction) == [0.0; 2] {
-            return [0.0; 2];
-        }
-        let v = torques(p, self.modes, [1.0; 2], 0.0, input.force, 0.0);
-        [v[1], v[2]]
     }
 
     /// Books a step and takes its end.
@@ -135,7 +133,7 @@ impl Plant {
         p: &Params,
         input: &Input,
         i: usize,
-        step: &Quiet<'_, N>,
+        step: Quiet<'_, N>,
         watch: &Watch,
         systems: &Systems,
     ) -> bool {
@@ -182,7 +180,7 @@ impl<const N: usize> Quiet<'_, N> {
     /// Rate of the torque of engaged clutch `i` at the end [N·m/s].
     #[cold]
     #[inline(never)]
-    fn torque_rate_at_end(&self, systems: &Systems, i: usize) -> f64 {
+    fn torque_rate_at_end(self, systems: &Systems, i: usize) -> f64 {
         let ((x, v), rows) = (self.end(), &systems.by_stuck[self.set].rows);
         let by_ramp = rows.torque[i].of_torque(LOAD, self.held.z[RAMPS[LOAD]]);
         rows.torque_rate[i].of(&x, &v) + by_ramp
@@ -191,7 +189,7 @@ impl<const N: usize> Quiet<'_, N> {
     /// Rate of the slip of clutch `i` at the end [rad/s²].
     #[cold]
     #[inline(never)]
-    fn slip_rate_at_end(&self, systems: &Systems, i: usize) -> f64 {
+    fn slip_rate_at_end(self, systems: &Systems, i: usize) -> f64 {
         let (x, v) = self.end();
         systems.by_stuck[self.set].rows.slip_rate[i].of(&x, &v)
     }
@@ -210,11 +208,10 @@ impl<const N: usize> Quiet<'_, N> {
 /// with that of the damper's side, which is as small.
 #[inline(always)]
 fn remove_slip(systems: &Systems, set: usize, x: &mut State) {
-    match set {
-        0 => {}
-        1 => x[D] = x[C],
-        2 => x[D] = x[C + 1],
-        _ => project(systems, set, x),
+    if set == 3 {
+        project(systems, set, x);
+    } else if set != 0 {
+        x[D] = x[C + (set >> 1)];
     }
 }
 

@@ -74,13 +74,22 @@ impl Builder {
 
     /// Becomes a rung of twice the span of `half`; `active`: columns that are not zero, in both.
     pub(crate) fn double(&mut self, half: &Self, systems: &Systems, active: &Active) {
-        let mut changes = [Lanes::ZERO; ENTRIES];
-        for (at, &j) in active.columns().iter().enumerate() {
-            let change = moving(&half.columns[j], systems.ratio);
+        if active.shafts {
+            self.double_by::<MOVING>(half, systems, active.columns());
+        } else {
+            self.double_by::<CORE_STATES>(half, systems, active.columns());
+        }
+    }
+
+    /// The same with the first `K` numbers of the state, beside which no one moves.
+    fn double_by<const K: usize>(&mut self, half: &Self, systems: &Systems, active: &[usize]) {
+        let mut changes = [Lanes::<K>::ZERO; ENTRIES];
+        for (at, &j) in active.iter().enumerate() {
+            let change = moving(&half.columns[j], systems.ratio).first();
             changes[j] = change;
-            self.columns[j] = half.doubled_column(systems, j, &change, active.shafts);
-            let through = half.loss_through(j, &change, active.shafts);
-            for &i in &active.columns()[..=at] {
+            self.columns[j] = half.doubled_column(systems, j, &change);
+            let through = half.loss_through(j, &change);
+            for &i in &active[..=at] {
                 let loss = half.doubled_loss(i, j, &changes[i], &through);
                 (self.loss[j][i], self.loss[i][j]) = (loss, loss);
             }
@@ -93,16 +102,15 @@ impl Builder {
 
     /// Column j over twice the span.
     #[inline(always)]
-    fn doubled_column(
+    fn doubled_column<const K: usize>(
         &self,
         systems: &Systems,
         j: usize,
-        change: &Lanes<MOVING>,
-        shafts: bool,
+        change: &Lanes<K>,
     ) -> Lanes<ROWS> {
         let (column, t) = (self.columns[j], self.t);
         let mut second = column;
-        through(&mut second, &self.columns, change, shafts);
+        through(&mut second, &self.columns, change);
         if j >= RAMP_COLUMN {
             add(&mut second, &self.columns[j - TORQUES], t);
         }
@@ -118,9 +126,9 @@ impl Builder {
 
     /// Column j of F Ψ.
     #[inline(always)]
-    fn loss_through(&self, j: usize, change: &Lanes<MOVING>, shafts: bool) -> Lanes<ENTRIES> {
+    fn loss_through<const K: usize>(&self, j: usize, change: &Lanes<K>) -> Lanes<ENTRIES> {
         let mut half = self.loss[j];
-        through(&mut half, &self.loss, change, shafts);
+        through(&mut half, &self.loss, change);
         if j >= RAMP_COLUMN {
             add(&mut half, &self.loss[j - TORQUES], self.t);
         }
@@ -129,11 +137,11 @@ impl Builder {
 
     /// Row i of column j of F + Ψᵀ F Ψ; `change`: e of column i, `through`: column j of F Ψ.
     #[inline(always)]
-    fn doubled_loss(
+    fn doubled_loss<const K: usize>(
         &self,
         i: usize,
         j: usize,
-        change: &Lanes<MOVING>,
+        change: &Lanes<K>,
         through: &Lanes<ENTRIES>,
     ) -> f64 {
         let loss = self.loss[j][i] + through[i] + dot(change, through);
@@ -147,7 +155,7 @@ impl Builder {
     /// Adds what ω_o(0) and its change over the first half lose in the second one.
     #[cold]
     #[inline(never)]
-    fn double_mesh_loss(&mut self, half: &Self, changes: &[Lanes<MOVING>; ENTRIES]) {
+    fn double_mesh_loss<const K: usize>(&mut self, half: &Self, changes: &[Lanes<K>; ENTRIES]) {
         let second: [f64; ENTRIES] = core::array::from_fn(|j| {
             let ramp = if j >= RAMP_COLUMN {
                 half.t * half.output[j - TORQUES]
@@ -175,21 +183,18 @@ impl Builder {
     }
 }
 
-/// Adds to `sum` what changes of the eight numbers make of the columns; `shafts`: of all of them.
+/// Adds to `sum` what changes of the first numbers make of the columns.
 #[inline(always)]
-fn through<const N: usize>(
+fn through<const N: usize, const K: usize>(
     sum: &mut Lanes<N>,
     columns: &[Lanes<N>; ENTRIES],
-    change: &Lanes<MOVING>,
-    shafts: bool,
+    change: &Lanes<K>,
 ) {
-    for (column, change) in columns[..CORE_STATES].iter().zip(&change.0) {
+    let (core, shafts) = columns.split_at(CORE_STATES); // few enough that the compiler needs no loop
+    for (column, change) in core.iter().zip(&change.0) {
         add(sum, column, *change);
     }
-    if shafts {
-        let columns = columns[CORE_STATES..].iter();
-        for (column, change) in columns.zip(&change[CORE_STATES..]) {
-            add(sum, column, *change);
-        }
+    for (column, change) in shafts.iter().zip(&change[CORE_STATES..]) {
+        add(sum, column, *change);
     }
 }

@@ -27,9 +27,10 @@ pub(crate) struct Held<const N: usize> {
 
 impl<const N: usize> Held<N> {
     /// Motion from the first entries of a start, without ramps.
+    ///
+    /// `sliding`: T_c1 or T_c2 is a friction torque.
     #[inline(always)]
-    pub(crate) fn new(rung: &Rung, x: &State, z: Lanes<N>) -> Self {
-        let sliding = z[CLUTCHES] != 0.0 || z[CLUTCHES + 1] != 0.0;
+    pub(crate) fn new(rung: &Rung, x: &State, z: Lanes<N>, sliding: bool) -> Self {
         let mut held = Self {
             z,
             sliding,
@@ -41,7 +42,7 @@ impl<const N: usize> Held<N> {
 
     /// The entries of a start.
     ///
-    /// `ratio`: g_i of gears that are in, shape (2). `torques`: T_e, T_v [N·m]. `friction`: T_c1, T_c2 [N·m].
+    /// `torques`: T_e, T_v [N·m]. `friction`: T_c1, T_c2 [N·m].
     #[inline(always)]
     pub(crate) fn entries(
         rung: &Rung,
