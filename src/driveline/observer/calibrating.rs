@@ -4,14 +4,14 @@
 //! gearbox, the drive shaft, the vehicle and the wheel speed; calibrating_model.rs has the equations.
 //!
 //! ```text
-//! sample ─> how each clutch carries its torque (grip) ─> predict ─> correct by speeds and constraint ─┐
+//! sample ─> how each clutch carries its torque (grip) ─> predict ─> correct by speeds ────────────────┐
 //! estimates <─ times the common factor (anchor) <─ parameters within what a vehicle can have <────────┘
 //! ```
 //!
 //! An extended filter. The factors of δ and λ are the filter's own accelerations, not differentiated
 //! measurements, whose noise would bias what is learnt; while a clutch slips they are smoothed as well. T_s has
 //! little noise, so the twist of the drive shaft is what torques are measured against. A slipping clutch moves
-//! with its force, an engaged one with the driveline ([`grip`]). Parameters walk slowly.
+//! with its force, an engaged one with the damper ([`grip`], carry.rs). Parameters walk slowly.
 //!
 //! **What can be told apart, phase by phase.** One clutch engaged, the other open: T_c is known twice, from
 //! the shaft (J_out ω_o' + T_o = g T_c) and from the engine (J_ed (1+δ) ω_e' = T_e + β − T_c). A steady drive
@@ -24,12 +24,12 @@
 //!
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
-//! clutches open, idle (1 s)            0.01   1.00   0.18   1.00   1.00   1.00   1.00
+//! clutches open, idle (1 s)            0.00   1.00   0.18   1.00   1.00   1.00   1.00
 //! clutch 1 slips: launch               0.12   0.07   0.25   0.28   0.27   0.65   0.24
-//! clutch 1 engages, the shaft swings   0.37   0.16   0.29   0.50   0.28   0.53   0.24
-//! clutch 1 engaged: steady drive       0.95   0.33   0.09   1.00   1.00   0.95   0.33
-//! handover                             0.45   0.10   0.34   0.86   0.66   0.79   0.35
-//! clutch 1 engaged: tip-in             0.82   0.23   0.24   0.45   0.32   0.95   0.30
+//! clutch 1 engages, the shaft swings   0.36   0.15   0.26   0.42   0.25   0.45   0.22
+//! clutch 1 engaged: steady drive       0.95   0.33   0.09   1.00   1.00   0.47   0.32
+//! handover                             0.28   0.07   0.26   0.71   0.53   0.45   0.31
+//! clutch 1 engaged: tip-in             0.71   0.21   0.23   0.40   0.27   0.83   0.28
 //! ```
 //!
 //! **What cannot.** All equations are homogeneous: one common factor on torques, inertias, k and c changes no
@@ -66,20 +66,14 @@ const RATIOS: [usize; WITNESSES] = [DELTA, KAPPA, GAMMA, LAMBDA, NU];
 const MASS: usize = 7;
 /// Where these stand among the parameters told.
 const TOLD: [usize; WITNESSES] = [2, 4, 5, 6, MASS];
-/// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
-const UNSURE: f64 = 4000.0;
-/// Relative deviation of the torque that a change of force brings [1]: friction known, and not.
-const FORCE: [f64; 2] = [0.3, 1.0];
-/// Density of what the constraint of an engaged clutch leaves out [(N·m)² s].
-const CONSTRAINT: f64 = 1e-4;
 /// Time constant of the accelerations that δ and λ are seen by while a clutch slips [s].
 const SMOOTH: f64 = 0.03;
 
 /// What the filter believes of its noises and of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gains {
-    /// q_T, q_v, q_w, q_s: intensities of T_c while slipping, T_v [(N·m)²/s], speeds [(rad/s)²/s],
-    /// T_s [(N·m)²/s].
+    /// q_T, q_v, q_w, q_s: intensities of the friction of a slipping clutch, relative [1/s], T_v [(N·m)²/s], speeds
+    /// [(rad/s)²/s], T_s [(N·m)²/s].
     pub q: [f64; 4],
     /// Intensities of β, δ, w, κ, γ, λ, ν per second, shape (7), where their deviation is not 0.
     pub walk: [f64; LEARNT],
@@ -98,7 +92,7 @@ pub struct Gains {
 impl Gains {
     /// Per second, so for every step.
     pub const DEFAULT: Self = Self {
-        q: [300.0, 2000.0, 1e-6, 0.5],
+        q: [0.1, 2000.0, 1e-6, 0.5],
         walk: [1e-5, 1e-7, 1e-9, 1e-8, 1e-8, 1e-8, 1e-8],
         sigma: [0.06, 3.0, 0.3, 0.02, 0.1, 0.2, 0.1, 0.2],
         prior: Prior::NONE,
@@ -107,14 +101,10 @@ impl Gains {
     };
 
     /// Intensities of the states, shape (14); an anchor does not walk.
-    fn intensities(&self, start: &Vector, hold: [Hold; 2]) -> Vector {
+    fn intensities(&self, start: &Vector) -> Vector {
         let [q_t, q_v, q_w, q_s] = self.q;
-        let [one, two] = hold.map(|hold| match hold {
-            Hold::Slips { .. } => q_t,
-            Hold::Unsure | Hold::Firm => UNSURE,
-        });
         let mut all = Vector::zeros();
-        let motion = [q_w, q_w, q_w, q_s, one, two, q_v];
+        let motion = [q_w, q_w, q_w, q_s, q_t, q_t, q_v];
         all.fixed_rows_mut::<SHARED>(0).copy_from_slice(&motion);
         for k in (0..LEARNT).filter(|k| start[SHARED + k] > 0.0) {
             all[SHARED + k] = self.walk[k];
@@ -187,7 +177,7 @@ impl Observer for Calibrating {
         }
         let (p, sample) = &settings.calibrating.prior.correct(p, sample);
         self.tracker.start(p, sample, &wheel());
-        let resistance = View::new(p, sample, &self.tracker.belief.x).resistance();
+        let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
         self.estimate(p, settings, sample)
     }
@@ -198,20 +188,22 @@ impl Observer for Calibrating {
         }
         let (p, sample) = &settings.calibrating.prior.correct(p, sample);
         self.tracker.follow(p, sample, &wheel(), h);
-        let hold = self.grip.step(p, sample, self.tracker.lock.engaged(), h);
-        self.follow_force(sample, hold);
-        let c = View::new(p, sample, &self.tracker.belief.x).model.c;
-        let standing = self.tracker.held(p, sample, c);
+        let hold = self
+            .grip
+            .step(p, sample, &self.tracker.lock, self.tracker.engaged);
+        self.tracker.follow_force(hold);
+        let standing = self.tracker.held(p, sample, self.view(p, sample).model.c);
         let moving = standing.as_ref().unwrap_or(p);
         self.predict(moving, settings, sample, hold, h);
         let sensor = settings.calibrating.sensor;
         self.tracker.correct(p, sample, sensor, &wheel(), h);
-        self.constrain(p, sample, h);
+        self.tracker.remember(p, sample, hold, h);
         let bounded = self.project();
         let monitor = &mut self.tracker.monitor;
         monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
         self.vote(settings, h);
-        self.tracker.watch(p, settings, sample, h);
+        let model = self.view(p, sample).model;
+        self.tracker.watch(p, settings, sample, &model, h);
         if settings.adapts {
             self.learn_friction(p, sample, h);
         }
@@ -229,20 +221,12 @@ impl Observer for Calibrating {
 }
 
 impl Calibrating {
-    /// T_c of a slipping clutch moves with its force.
-    fn follow_force(&mut self, sample: &Sample, hold: [Hold; 2]) {
+    /// A sample seen with what is known.
+    fn view<'a>(&'a self, p: &'a Params, sample: &'a Sample) -> View<'a> {
         let Tracker {
-            belief, friction, ..
-        } = &mut self.tracker;
-        for (i, hold) in hold.into_iter().enumerate() {
-            let before = belief.x[T_C + i];
-            let known = friction.mu[i] * sample.slip()[i].signum();
-            let after = before + hold.change(before, known);
-            let relative = FORCE[usize::from(!friction.known(i))];
-            belief.x[T_C + i] = after;
-            belief.p[(T_C + i, T_C + i)] +=
-                relative * relative * (after * after - before * before).abs();
-        }
+            belief, engaged, ..
+        } = &self.tracker;
+        View::new(p, sample, &belief.x, *engaged, 1.0 / self.anchor.factor())
     }
 
     /// x̂⁺ with the parameters held, exactly; P⁺ with the motion linearised about x̂.
@@ -254,32 +238,26 @@ impl Calibrating {
         hold: [Hold; 2],
         h: f64,
     ) {
-        let (last, firm) = (self.slope, hold.contains(&Hold::Firm));
-        let forget = if firm { 0.0 } else { SMOOTH / (h + SMOOTH) };
+        let (last, engaged) = (self.slope, hold.contains(&Hold::Engaged));
+        let forget = if engaged { 0.0 } else { SMOOTH / (h + SMOOTH) };
         let smoothed = |now: [f64; 2]| [0, 1].map(|j| now[j] + (last[j] - now[j]) * forget);
-        let motion = View::new(p, sample, &self.tracker.belief.x).motion(h, smoothed);
+        let view = self.view(p, sample);
+        let (motion, model) = (view.motion(h, smoothed), view.model);
         self.slope = smoothed(motion.slope);
         let gains = &settings.calibrating;
-        let q = gains.intensities(&gains.start(), hold) * h;
+        let mut q = gains.intensities(&gains.start());
+        self.tracker.noise(&model, hold, &mut q);
+        let q = q * h;
         let belief = &mut self.tracker.belief;
-        belief.x.fixed_rows_mut::<4>(0).copy_from(&motion.moved);
+        belief.x.fixed_rows_mut::<6>(0).copy_from(&motion.moved);
         belief.spread(&motion.rows, &q);
-    }
-
-    /// A firm clutch carries the constraint torque of (6).
-    fn constrain(&mut self, p: &Params, sample: &Sample, h: f64) {
-        if let Some(i) = self.grip.firm() {
-            let belief = &mut self.tracker.belief;
-            let (excess, derivative) = View::new(p, sample, &belief.x).constraint(i);
-            belief.correct(&derivative, -excess, CONSTRAINT / h);
-        }
     }
 
     /// Friction over the position, of a clutch that slips while the other one is open.
     fn learn_friction(&mut self, p: &Params, sample: &Sample, h: f64) {
         let (lever, slipping) = (self.grip.lever, self.tracker.friction.slipping);
         for i in (0..2).filter(|i| slipping[*i] >= SETTLING && lever[1 - i] <= 0.0) {
-            let torque = self.tracker.belief.x[T_C + i] * sample.slip()[i].signum();
+            let torque = self.tracker.t_c[i] * sample.slip()[i].signum();
             let deviation = self.tracker.belief.deviation(&row(&[(T_C + i, 1.0)])) / lever[i];
             let theta = p.clutch[i].reached(sample.actuation[i]);
             let mu = torque / lever[i];
@@ -349,9 +327,9 @@ impl Calibrating {
     }
 
     fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let view = View::new(p, sample, &self.tracker.belief.x);
+        let view = self.view(p, sample);
         let factor = self.anchor.factor();
-        let own = self.tracker.estimate(p, settings, sample, view.model.c);
+        let own = self.tracker.estimate(p, settings, sample, &view.model);
         let uncertain = |torque: f64, deviation: f64| {
             ComplexField::sqrt(deviation * deviation + torque * torque * self.anchor.variance)
         };

@@ -1,5 +1,4 @@
-//! The driveline as `calibrating` sees it: the motion, what every state does to it, and the constraint of an
-//! engaged clutch, all with their derivatives.
+//! The driveline as `calibrating` sees it: the motion, and what every state does to it.
 //!
 //! ```text
 //! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v, β, δ, w, κ, γ, λ, ν)        torques in units of the reported T_e
@@ -9,14 +8,15 @@
 //! ```
 //!
 //! T_r is drag and rolling resistance of (11) on the level; T_v is what remains: the grade, and all errors.
-//! T_y, of synchronisers, is known by the inertia of a shaft, so λ scales it.
+//! T_y, of synchronisers, is known by the inertia of a shaft, so λ scales it. Behind an engaged clutch T_ci is T_k, what
+//! the damper carries, with J_e and J_out + g_i² J_d ([`Speeds::behind`]).
 
 use crate::Params;
-use crate::observer::filter::{Flow, Rows, row};
+use crate::observer::filter::{Flow, Motion as Moving, Rows, with_damper};
 use crate::observer::speeds::Speeds;
 use crate::observer::tracker::{SHARED, T_C, T_S, T_V, W_E, W_O, W_W};
 use crate::observer::{Sample, brake};
-use nalgebra::{SVector, Vector4, Vector5};
+use nalgebra::{SVector, Vector4, Vector5, Vector6};
 
 /// Number of parameters among the states: β, δ, w, κ, γ, λ, ν.
 pub const LEARNT: usize = 7;
@@ -47,20 +47,29 @@ pub struct View<'a> {
     pub x: &'a Vector,
     /// The driveline with what was learnt.
     pub model: Speeds,
+    /// J_out as believed [kg·m²].
+    pub j_out: f64,
 }
 
 /// The states that move after a step, the rows of Φ, and the mean slope of ω_e, ω_o over it [rad/s²].
 #[derive(Debug, Clone, Copy)]
 pub struct Motion {
-    pub moved: Vector4<f64>,
+    pub moved: Vector6<f64>,
     pub rows: Rows<N>,
     pub slope: [f64; 2],
 }
 
 impl<'a> View<'a> {
-    pub fn new(p: &'a Params, sample: &'a Sample, x: &'a Vector) -> Self {
+    /// `scale`: of the damper, which is believed as the engine torque is [1].
+    pub fn new(
+        p: &'a Params,
+        sample: &'a Sample,
+        x: &'a Vector,
+        engaged: Option<usize>,
+        scale: f64,
+    ) -> Self {
         let nominal = Speeds::new(p, sample.gear);
-        let model = Speeds {
+        let free = Speeds {
             j_ed: nominal.j_ed * (1.0 + x[DELTA]),
             j_out: nominal.j_out * (1.0 + x[LAMBDA]),
             j_v: nominal.j_v * (1.0 + x[NU]),
@@ -72,7 +81,8 @@ impl<'a> View<'a> {
             p,
             sample,
             x,
-            model,
+            model: free.behind(p, engaged, scale),
+            j_out: nominal.j_out,
         }
     }
 
@@ -92,25 +102,25 @@ impl<'a> View<'a> {
     }
 
     /// The slope of the states that move, shape (4).
-    fn slope(&self) -> Vector4<f64> {
+    fn slope(&self, t: [f64; 2]) -> Vector4<f64> {
         let x = self.x;
         let load = x[T_V] + self.resistance() + brake(self.p, self.sample);
         let (t_e, t_y) = (self.engine_torque(), self.synchroniser_torque());
-        let torques = Vector5::new(t_e, x[T_C], x[T_C + 1], load, t_y);
+        let torques = Vector5::new(t_e, t[0], t[1], load, t_y);
         self.model.a() * x.fixed_rows::<4>(0) + self.model.b() * torques
     }
 
     /// How all other states change the slope, shape (4, 14), of which the last 10 columns count.
     ///
     /// `slope` and `twist` ω_o − ω_w: their means over the step, which makes Φ exact to h³.
-    fn effects(&self, slope: &Vector4<f64>, twist: f64) -> Rows<N> {
+    fn effects(&self, slope: &Vector4<f64>, twist: f64) -> Moving<N> {
         let (x, model, b) = (self.x, &self.model, self.model.b());
-        let mut by = Rows::<N>::zeros();
+        let mut by = Moving::<N>::zeros();
         by.fixed_columns_mut::<3>(T_C)
             .copy_from(&b.fixed_columns::<3>(1));
         by.set_column(BETA, &b.column(0));
         by[(W_E, DELTA)] = -slope[W_E] / (1.0 + x[DELTA]);
-        by[(W_O, LAMBDA)] = -slope[W_O] / (1.0 + x[LAMBDA]);
+        by[(W_O, LAMBDA)] = -slope[W_O] * self.j_out / model.j_out;
         by[(W_W, NU)] = -slope[W_W] / (1.0 + x[NU]);
         by[(T_S, KAPPA)] = slope[T_S] / (1.0 + x[KAPPA]);
         let damping = model.c * twist / (1.0 + x[GAMMA]);
@@ -125,50 +135,26 @@ impl<'a> View<'a> {
     /// which shows nothing of λ.
     pub fn motion(&self, h: f64, seen: impl FnOnce([f64; 2]) -> [f64; 2]) -> Motion {
         let (x, flow) = (self.x, Flow::new(&self.model, h));
-        let change = flow.gamma * self.slope();
-        let moved = x.fixed_rows::<4>(0) + change;
+        let ([e, o], mut t) = (self.model.twist(), [x[T_C], x[T_C + 1]]);
+        let wound = |x: &Vector4<f64>| 0.5 * h * (e * x[W_E] + o * x[W_O]);
+        let now = x.fixed_rows::<4>(0).into_owned();
+        if let Some(i) = self.model.engaged {
+            t[i] += wound(&now);
+        }
+        let change = flow.gamma * self.slope(t);
+        let moved = now + change;
+        if let Some(i) = self.model.engaged {
+            t[i] += wound(&moved);
+        }
         let twist = 0.5 * (x[W_O] - x[W_W] + moved[W_O] - moved[W_W]);
         let mut mean = change / h;
-        let slope = [
-            mean[W_E],
-            mean[W_O] - self.synchroniser_torque() / self.model.j_out,
-        ];
+        let slope = [mean[W_E], mean[W_O] - self.sample.t_y / self.j_out];
         [mean[W_E], mean[W_O]] = seen(slope);
         Motion {
-            moved,
-            rows: flow.rows(&self.effects(&mean, twist)),
+            moved: Vector6::new(moved[0], moved[1], moved[2], moved[3], t[0], t[1]),
+            rows: with_damper(&flow.rows(&self.effects(&mean, twist)), &self.model, h),
             slope,
         }
-    }
-
-    /// What T_ci of the engaged clutch `i` is above its constraint torque [N·m], and the derivative of that.
-    pub fn constraint(&self, i: usize) -> (f64, Vector) {
-        let (x, model) = (self.x, &self.model);
-        let motion = x.fixed_rows::<4>(0).into_owned();
-        let (t_e, other) = (self.engine_torque(), x[T_C + 1 - i]);
-        let t_y = self.synchroniser_torque();
-        let excess = x[T_C + i] - model.constraint_torque(&motion, i, t_e, other, t_y);
-        let (g, g_j) = (model.g[i], model.g[1 - i]);
-        let together = model.j_out + g * g * model.j_ed;
-        let share = model.j_ed * g / together;
-        let twist = x[W_O] - x[W_W];
-        let acting = g * (t_e - other) + g_j * other + t_y - model.t_o(&motion);
-        let inertia = share * acting * model.j_out / together;
-        let derivative = row(&[
-            (T_C + i, 1.0),
-            (T_C + 1 - i, 1.0 + share * (g_j - g)),
-            (T_S, -share),
-            (W_O, -share * model.c),
-            (W_W, share * model.c),
-            (BETA, share * g - 1.0),
-            (DELTA, inertia / (1.0 + x[DELTA])),
-            (
-                LAMBDA,
-                share * self.sample.t_y - inertia / (1.0 + x[LAMBDA]),
-            ),
-            (GAMMA, -share * self.p.c_o * twist),
-        ]);
-        (excess, derivative)
     }
 }
 
@@ -177,7 +163,7 @@ mod tests {
     use super::{N, Vector, View};
     use crate::Params;
     use crate::observer::Sample;
-    use nalgebra::Vector4;
+    use nalgebra::Vector6;
 
     /// Step of the central differences, in units of the state.
     const STEP: f64 = 1e-4;
@@ -218,15 +204,25 @@ mod tests {
     #[test]
     fn rows_of_phi_are_the_derivative_of_the_motion() {
         let (p, sample) = (Params::TABLE_1, sample());
-        let units = Vector4::new(1.0, 1.0, 1.0, 500.0);
-        for (h, tolerance) in [(1e-3, 1e-4), (1e-2, 1e-2)] {
-            let motion = |x: &Vector| View::new(&p, &sample, x).motion(h, |slope| slope);
+        let units = Vector6::new(1.0, 1.0, 1.0, 500.0, 50.0, 50.0);
+        let cases = [
+            (None, 1e-3, 1e-4),
+            (None, 1e-2, 1e-2),
+            (Some(0), 1e-3, 2e-4),
+            (Some(1), 1e-3, 2e-4),
+        ];
+        for (engaged, h, tolerance) in cases {
+            let motion =
+                |x: &Vector| View::new(&p, &sample, x, engaged, 1.0).motion(h, |slope| slope);
             let rows = motion(&state()).rows;
             for j in 0..N {
                 let truth = slope(|x| motion(x).moved, j).component_div(&units);
                 let ours = rows.column(j).component_div(&units);
                 let error = (truth - ours).amax() / truth.amax().max(h);
-                assert!(error < tolerance, "h = {h} s, state {j}: {truth} {ours}");
+                assert!(
+                    error < tolerance,
+                    "{engaged:?}, h = {h} s, state {j}: {truth} {ours}"
+                );
             }
         }
     }
@@ -256,7 +252,11 @@ mod tests {
         for j in [3, 4, 5, 6, 7] {
             x[j] *= FACTOR;
         }
-        let motion = |p, sample, x| View::new(p, sample, x).motion(1e-3, |slope| slope).moved;
+        let motion = |p, sample, x| {
+            View::new(p, sample, x, None, 1.0)
+                .motion(1e-3, |slope| slope)
+                .moved
+        };
         let (one, other) = (
             motion(&p, &sample, &state()),
             motion(&scaled, &stronger, &x),
@@ -264,24 +264,5 @@ mod tests {
         let speeds = (one - other).fixed_rows::<3>(0).amax();
         assert!(speeds < 1e-10, "{one} {other}");
         assert!((other[3] / one[3] - FACTOR).abs() < 1e-10);
-    }
-
-    #[test]
-    fn derivative_of_the_constraint_is_exact() {
-        const TOLERANCE: f64 = 1e-6;
-        let (p, sample) = (Params::TABLE_1, sample());
-        for i in [0, 1] {
-            let at = |x: &Vector| View::new(&p, &sample, x).constraint(i);
-            let row = at(&state()).1;
-            for j in 0..N {
-                let truth = slope(|x| at(x).0, j);
-                let error = (truth - row[j]).abs() / truth.abs().max(1.0);
-                assert!(
-                    error < TOLERANCE,
-                    "clutch {i}, state {j}: {truth} {}",
-                    row[j]
-                );
-            }
-        }
     }
 }

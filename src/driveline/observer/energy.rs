@@ -252,17 +252,6 @@ impl Energy {
         [0, 1].map(|i| self.lock.holds(i))
     }
 
-    /// The clutch whose torque is a constraint; of two that are engaged, the one pressed harder.
-    fn engaged(&self, p: &Params, sample: &Sample) -> Option<usize> {
-        let force = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]));
-        match self.holds() {
-            [true, true] => Some(usize::from(force[1] > force[0])),
-            [true, false] => Some(0),
-            [false, true] => Some(1),
-            [false, false] => None,
-        }
-    }
-
     /// w_i: torque per unit of friction, with the sign of the slip [N·m], shape (2).
     fn levers(&self, p: &Params, sample: &Sample) -> [f64; 2] {
         [0, 1].map(|i| {
@@ -274,7 +263,7 @@ impl Energy {
     /// The adaptation with the innovation held, projected onto friction coefficients that exist.
     fn adapt(&mut self, p: &Params, settings: &Settings, sample: &Sample, l_c: f64, h: f64) {
         let (g, w, e) = (p.g(sample.gear), self.levers(p, sample), self.innovation);
-        let engaged = self.engaged(p, sample);
+        let engaged = self.lock.harder(p, sample);
         let mut bounded = false;
         let holds = [0, 1].map(|i| engaged == Some(i));
         let l_c = engaged.map_or(l_c, |_| HANDOVER * l_c);
@@ -295,7 +284,7 @@ impl Energy {
     fn torques(&self, p: &Params, settings: &Settings, sample: &Sample) -> [f64; 2] {
         let w = self.levers(p, sample);
         let mut t_c = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * w[i]);
-        if let Some(i) = self.engaged(p, sample) {
+        if let Some(i) = self.lock.harder(p, sample) {
             let model = Behind::new(p, sample, Some(i));
             t_c[i] = model.clutch_torque(&self.x_hat, i, t_c[1 - i], sample.t_y);
         }
@@ -313,7 +302,7 @@ impl Energy {
         h: f64,
     ) {
         let key = Key {
-            model: Behind::new(p, sample, self.engaged(p, sample)),
+            model: Behind::new(p, sample, self.lock.harder(p, sample)),
             l,
             h,
         };

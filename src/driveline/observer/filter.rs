@@ -1,15 +1,17 @@
 //! Predict and correct of a Kalman filter on the driveline, with scalar measurements one after another.
 //!
-//! Four states move, (ω_e, ω_o, ω_w, T_s) of [`Speeds`]; all others are constants but for their noise. So
-//! only four rows of Φ differ from the identity, and a step costs four rows, not N.
+//! Six states move: (ω_e, ω_o, ω_w, T_s) of [`Speeds`], and T_k of the damper in place of T_c1 or T_c2; all others are
+//! constants but for their noise. So only six rows of Φ differ from the identity, and a step costs six rows, not N.
 
 use crate::observer::speeds::Speeds;
 use nalgebra::{ComplexField, Matrix4, SMatrix, SVector};
 
-/// States that move: ω_e, ω_o, ω_w, T_s.
-pub const MOVING: usize = 4;
+/// States that move: ω_e, ω_o, ω_w, T_s, T_c1, T_c2.
+pub const MOVING: usize = 6;
 /// Rows of Φ that are not those of the identity.
 pub type Rows<const N: usize> = SMatrix<f64, MOVING, N>;
+/// Those of ω_e, ω_o, ω_w, T_s.
+pub type Motion<const N: usize> = SMatrix<f64, 4, N>;
 
 /// x̂ and P of a filter with N states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +33,7 @@ impl<const N: usize> Belief<N> {
 
     /// P⁺ = Φ (P + Q/2) Φᵀ + Q/2 for the diagonal Q of a step, shape (N); x̂ is left to the caller.
     ///
-    /// `rows`: the rows of Φ that move, shape (4, N).
+    /// `rows`: the rows of Φ that move, shape (6, N).
     pub fn spread(&mut self, rows: &Rows<N>, q: &SVector<f64, N>) {
         self.add_noise(q);
         let cross = rows * self.p;
@@ -118,16 +120,38 @@ impl Flow {
     }
 
     /// Rows of Φ for states that drive the motion by `by`, shape (4, N), of which the last N − 4 columns count.
-    pub fn rows<const N: usize>(&self, by: &Rows<N>) -> Rows<N> {
+    pub fn rows<const N: usize>(&self, by: &Motion<N>) -> Motion<N> {
         let mut rows = self.gamma * by;
-        rows.fixed_columns_mut::<MOVING>(0).copy_from(&self.phi);
+        rows.fixed_columns_mut::<4>(0).copy_from(&self.phi);
         rows
     }
 }
 
+/// All rows of Φ that move, from those of (ω_e, ω_o, ω_w, T_s) with T_k held.
+///
+/// T_k' = k_d (ω_e − g ω_o) is split: half a step before the motion and half a step after it.
+pub fn with_damper<const N: usize>(motion: &Motion<N>, model: &Speeds, h: f64) -> Rows<N> {
+    let mut rows = Rows::<N>::identity();
+    let mut motion = *motion;
+    if let Some(i) = model.engaged {
+        let (k, half) = (4 + i, model.twist().map(|twist| 0.5 * h * twist));
+        for j in [0, 1] {
+            let change = motion.column(k) * half[j];
+            let mut column = motion.column_mut(j);
+            column += change;
+            rows[(k, j)] = half[j];
+        }
+        let change = motion.row(0) * half[0] + motion.row(1) * half[1];
+        let mut row = rows.row_mut(k);
+        row += change;
+    }
+    rows.fixed_rows_mut::<4>(0).copy_from(&motion);
+    rows
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Belief, Flow, row};
+    use super::{Belief, Flow, Motion, row, with_damper};
     use crate::Params;
     use crate::observer::speeds::Speeds;
     use crate::reduced::exponential;
@@ -148,14 +172,45 @@ mod tests {
         }
     }
 
-    /// The dense product that the four rows save.
+    /// With an engaged clutch the whole motion is the exponential but for the splitting, of third order in h.
     #[test]
-    fn four_rows_spread_as_the_whole_matrix_does() {
-        let half = SMatrix::<f64, 6, 6>::from_iterator((1..=36_u8).map(|k| 1.0 / f64::from(k)));
+    fn damper_moves_with_the_motion() {
+        const N: usize = 6;
+        let p = Params::TABLE_1;
+        for i in [0, 1] {
+            let model = Speeds::new(&p, [1, 2]).behind(&p, Some(i), 1.0);
+            let mut a = SMatrix::<f64, N, N>::zeros();
+            a.fixed_view_mut::<4, 4>(0, 0).copy_from(&model.a());
+            let b = model.b();
+            a.fixed_view_mut::<4, 2>(0, 4)
+                .copy_from(&b.fixed_columns::<2>(1));
+            [a[(4 + i, 0)], a[(4 + i, 1)]] = model.twist();
+            let mut by = Motion::<N>::zeros();
+            by.fixed_columns_mut::<2>(4)
+                .copy_from(&b.fixed_columns::<2>(1));
+            let units = SVector::<f64, N>::from([1.0, 0.1, 0.1, 500.0, 50.0, 50.0]);
+            let error = |h: f64| {
+                let rows = with_damper(&Flow::new(&model, h).rows(&by), &model, h);
+                let wrong = rows - exponential(&(a * h));
+                SMatrix::<f64, N, N>::from_fn(|j, k| wrong[(j, k)] * units[k] / units[j]).amax()
+            };
+            assert!(error(1e-3) < 2e-4, "clutch {i}: {}", error(1e-3));
+            assert!(
+                error(5e-4) < error(1e-3) / 6.0,
+                "clutch {i} {}",
+                error(5e-4)
+            );
+        }
+    }
+
+    /// The dense product that the six rows save.
+    #[test]
+    fn six_rows_spread_as_the_whole_matrix_does() {
+        let half = SMatrix::<f64, 8, 8>::from_iterator((1..=64_u8).map(|k| 1.0 / f64::from(k)));
         let p = half * half.transpose();
-        let q = SVector::<f64, 6>::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
-        let mut phi = SMatrix::<f64, 6, 6>::identity();
-        for (i, j) in [(0, 1), (0, 5), (1, 0), (2, 4), (3, 3), (3, 5)] {
+        let q = SVector::<f64, 8>::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]);
+        let mut phi = SMatrix::<f64, 8, 8>::identity();
+        for (i, j) in [(0, 1), (0, 7), (1, 0), (2, 4), (3, 3), (5, 6)] {
             phi[(i, j)] += 0.3;
         }
         let noise = SMatrix::from_diagonal(&q) * 0.5;
@@ -164,7 +219,7 @@ mod tests {
             x: SVector::zeros(),
             p,
         };
-        belief.spread(&phi.fixed_rows::<4>(0).into_owned(), &q);
+        belief.spread(&phi.fixed_rows::<6>(0).into_owned(), &q);
         assert!((belief.p - expected).amax() < 1e-12);
     }
 

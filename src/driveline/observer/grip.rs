@@ -1,20 +1,13 @@
-//! How the torque of each clutch moves: with its force while it slips, with the driveline while it is engaged.
+//! How the torque of each clutch moves: with its force while it slips, with the damper while it is engaged.
 //!
 //! A filter that takes T_c as a random walk must guess one pace for all of it. But a slipping clutch carries
-//! μ F(θ) r_c N with a friction that hardly changes, and an engaged one carries what keeps both sides together
-//! (6). What neither tells, the 30 ms around an engagement, is fast.
+//! μ F(θ) r_c N with a friction that hardly changes, and an engaged one carries what the damper does. What neither tells,
+//! the moment around an engagement, is fast.
 
 use crate::Params;
-use crate::observer::lock::SLIP;
-use crate::observer::{Sample, Visit, lasting};
+use crate::observer::lock::{Lock, SLIP};
+use crate::observer::{Sample, Visit};
 
-/// Time constant of the filtered slip [s].
-const TAU: f64 = 0.01;
-/// Filtered slip of a clutch that holds [rad/s]: above its noise, below the first wind-up of a damper. While a
-/// synchroniser shakes the damper none does.
-const HOLDS: f64 = 0.25;
-/// Time for which an engaged clutch has to hold before its torque is a constraint [s].
-const FIRM: f64 = lasting(0.1);
 /// Lever from which the torque tells a friction [N·m].
 const LEVER: f64 = 20.0;
 
@@ -28,10 +21,10 @@ pub enum Hold {
         /// r_c N F of this sample [N·m].
         now: f64,
     },
-    /// It engages, or lets go, or is open.
+    /// It engages, or is open.
     Unsure,
-    /// It holds both sides together.
-    Firm,
+    /// It holds both sides together, and carries what the damper carries.
+    Engaged,
 }
 
 impl Hold {
@@ -44,7 +37,7 @@ impl Hold {
                 (t_c / before).clamp(-1.0, 1.0) * (now - before)
             }
             Self::Slips { before, now } => known * (now - before),
-            Self::Unsure | Self::Firm => 0.0,
+            Self::Unsure | Self::Engaged => 0.0,
         }
     }
 }
@@ -54,49 +47,31 @@ impl Hold {
 pub struct Grip {
     /// r_c N F at the last sample [N·m], shape (2).
     pub lever: [f64; 2],
-    /// Filtered slip [rad/s], shape (2).
-    pub slip: [f64; 2],
-    /// Time for which each clutch has held [s], shape (2), at most what makes it firm.
-    pub held: [f64; 2],
 }
 
 impl Grip {
-    /// Takes a sample `h` [s] after the last one; `engaged`: engaged clutches, shape (2).
-    pub fn step(&mut self, p: &Params, sample: &Sample, engaged: [bool; 2], h: f64) -> [Hold; 2] {
+    /// Takes the next sample; `engaged`: the clutch that is.
+    pub fn step(
+        &mut self,
+        p: &Params,
+        sample: &Sample,
+        lock: &Lock,
+        engaged: Option<usize>,
+    ) -> [Hold; 2] {
         [0, 1].map(|i| {
             let now = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
             let before = core::mem::replace(&mut self.lever[i], now);
-            let slip = sample.slip()[i];
-            self.slip[i] += (slip - self.slip[i]) * (h / (h + TAU));
-            let shaken = sample.t_y != 0.0;
-            let holds = engaged[i] && self.slip[i].abs() < HOLDS && !shaken;
-            self.held[i] = if holds {
-                (self.held[i] + h).min(FIRM)
-            } else {
-                0.0
-            };
-            match engaged[i] {
-                true if self.held[i] >= FIRM => Hold::Firm,
-                false if slip.abs() > SLIP => Hold::Slips { before, now },
-                _ => Hold::Unsure,
+            match lock.freed[i] || sample.slip()[i].abs() > SLIP {
+                _ if engaged == Some(i) => Hold::Engaged,
+                true => Hold::Slips { before, now },
+                false => Hold::Unsure,
             }
         })
     }
 
-    /// The firm clutch whose torque is a constraint; of two, the one pressed harder.
-    pub fn firm(&self) -> Option<usize> {
-        match self.held.map(|held| held >= FIRM) {
-            [true, true] => Some(usize::from(self.lever[1] > self.lever[0])),
-            [true, false] => Some(0),
-            [false, true] => Some(1),
-            [false, false] => None,
-        }
-    }
-
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        let Self { lever, slip, held } = self;
-        lever.iter_mut().chain(slip).chain(held).for_each(visit);
+        self.lever.iter_mut().for_each(visit);
     }
 }
 
@@ -105,9 +80,8 @@ mod tests {
     use super::{Grip, Hold};
     use crate::Params;
     use crate::observer::Sample;
+    use crate::observer::lock::Lock;
     use crate::params::Actuation;
-
-    const H: f64 = 1e-3;
 
     fn sample(position: f64, slip: f64) -> Sample {
         Sample {
@@ -125,8 +99,8 @@ mod tests {
     #[test]
     fn a_slipping_clutch_moves_with_its_force() {
         let (p, mut grip) = (Params::TABLE_1, Grip::default());
-        grip.step(&p, &sample(5e-3, 40.0), [false; 2], H);
-        let [hold, _] = grip.step(&p, &sample(6e-3, 40.0), [false; 2], H);
+        grip.step(&p, &sample(5e-3, 40.0), &Lock::default(), None);
+        let [hold, _] = grip.step(&p, &sample(6e-3, 40.0), &Lock::default(), None);
         let lever = |force: f64| force * p.clutch[0].r_c_n;
         let (before, now) = (lever(1350.0), lever(2200.0));
         let torque = 0.26 * before;
@@ -136,18 +110,14 @@ mod tests {
         );
     }
 
+    /// One that was let go slips, however little.
     #[test]
-    fn a_clutch_is_firm_once_it_has_held_for_a_while_and_not_when_it_lets_go() {
-        let (p, mut grip) = (Params::TABLE_1, Grip::default());
-        for k in 0..99 {
-            let [hold, _] = grip.step(&p, &sample(9e-3, 0.05), [true, false], H);
-            assert_eq!(hold, Hold::Unsure, "{k}");
-        }
-        grip.step(&p, &sample(9e-3, 0.05), [true, false], H);
-        assert_eq!(grip.firm(), Some(0));
-        for _ in 0..4 {
-            grip.step(&p, &sample(9e-3, 2.0), [true, false], H);
-        }
-        assert_eq!(grip.firm(), None);
+    fn a_clutch_slips_as_its_lock_says() {
+        let (p, mut grip, mut lock) = (Params::TABLE_1, Grip::default(), Lock::default());
+        let mut hold = |lock: &Lock, engaged| grip.step(&p, &sample(5e-3, 0.3), lock, engaged)[0];
+        assert_eq!(hold(&lock, Some(0)), Hold::Engaged);
+        assert_eq!(hold(&lock, None), Hold::Unsure);
+        lock.bear(&p, 0, 100.0, 30.0, false);
+        assert!(matches!(hold(&lock, None), Hold::Slips { .. }));
     }
 }

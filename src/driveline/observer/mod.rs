@@ -16,6 +16,7 @@ pub mod adaptive;
 pub mod anchor;
 pub mod calibrating;
 mod calibrating_model;
+mod carry;
 pub mod damper;
 pub mod encoder;
 pub mod energy;

@@ -7,12 +7,10 @@
 //! T_o = T_s + c (ω_o − ω_w),  T_s' = k (ω_o − ω_w)   (10)
 //! ```
 //!
-//! T_y is what synchronisers do ([`shift`](crate::observer::shift)). The states do not refer to a gear, so a new gear or another acting clutch makes no jump. With clutch i
-//! engaged ω_e = g_i ω_o, and T_ci is the constraint torque of (6), found without differentiating:
-//!
-//! ```text
-//! ω_o' = (g_i (T_e − T_cj) + g_j T_cj + T_y − T_o)/(J_out + g_i² J_ed),   T_ci = T_e − T_cj − J_ed g_i ω_o'
-//! ```
+//! T_y is what synchronisers do ([`shift`](crate::observer::shift)). The states do not refer to a gear, so a new gear or
+//! another acting clutch makes no jump. With clutch i engaged the damper stands before it, as in
+//! [`damper`](crate::observer::damper): J_e and J_out + g_i² J_d take the places of J_ed and J_out, and T_k, what the
+//! damper carries, that of T_ci.
 
 use crate::Params;
 use crate::observer::Sample;
@@ -33,6 +31,10 @@ pub struct Speeds {
     pub k: f64,
     /// c_o [N·m·s/rad].
     pub c: f64,
+    /// k_d [N·m/rad], c_d [N·m·s/rad], J_d [kg·m²] behind which a clutch is engaged; 0 while none is.
+    pub damper: [f64; 3],
+    /// The clutch that is engaged.
+    pub engaged: Option<usize>,
 }
 
 impl Speeds {
@@ -46,7 +48,40 @@ impl Speeds {
             g,
             k: p.k_o,
             c: p.c_o,
+            damper: [0.0; 3],
+            engaged: None,
         }
+    }
+
+    /// The same with clutch `engaged` behind the damper: J_e and J_out + g_i² J_d in place of J_ed and J_out; k_d, c_d
+    /// and J_d times `scale` [1].
+    pub fn behind(self, p: &Params, engaged: Option<usize>, scale: f64) -> Self {
+        let Some(i) = engaged else { return self };
+        Self {
+            j_ed: self.j_ed * p.j_e / p.j_ed(),
+            j_out: self.j_out + self.g[i] * self.g[i] * p.j_d * scale,
+            damper: [p.k_d, p.c_d, p.j_d].map(|value| value * scale),
+            engaged,
+            ..self
+        }
+    }
+
+    /// T_k' per unit of ω_e and ω_o [N·m/rad], shape (2).
+    pub fn twist(&self) -> [f64; 2] {
+        let g = self.engaged.map_or(0.0, |i| self.g[i]);
+        [self.damper[0], -g * self.damper[0]]
+    }
+
+    /// T_c1, T_c2 [N·m] of the states (ω_e, ω_o, ω_w, T_s) and the torques of the clutches, of which that of the
+    /// engaged one is T_k; `t_y`: of synchronisers [N·m].
+    pub fn clutch_torques(&self, x: &Vector4<f64>, mut t: [f64; 2], t_y: f64) -> [f64; 2] {
+        if let Some(i) = self.engaged {
+            let (g, other, [_, c_d, j_d]) = (self.g[i], t[1 - i], self.damper);
+            let t_d = t[i] + c_d * (x[0] - g * x[1]);
+            let acting = g * (t_d - other) + self.g[1 - i] * other + t_y - self.t_o(x);
+            t[i] = t_d - other - j_d * g * acting / self.j_out;
+        }
+        t
     }
 
     /// A for the states (ω_e, ω_o, ω_w, T_s), shape (4, 4), with both clutches free.
@@ -56,6 +91,12 @@ impl Speeds {
         let mut a = Matrix4::zeros();
         a.set_row(1, &(t_o / -self.j_out));
         a.set_row(2, &(t_o / j_v));
+        if let Some(i) = self.engaged {
+            let (g, c_d) = (self.g[i], self.damper[1]);
+            let t_d = RowVector4::new(c_d, -c_d * g, 0.0, 0.0);
+            a.set_row(0, &(t_d / -self.j_ed));
+            a.set_row(1, &((t_d * g - t_o) / self.j_out));
+        }
         a.set_row(3, &RowVector4::new(0.0, k, -k, 0.0));
         a
     }
@@ -67,33 +108,17 @@ impl Speeds {
         b.set_row(0, &(RowVector5::new(1.0, -1.0, -1.0, 0.0, 0.0) / self.j_ed));
         b.set_row(1, &(RowVector5::new(0.0, g1, g2, 0.0, 1.0) / self.j_out));
         b[(2, 3)] = -1.0 / self.j_v;
+        if let Some(i) = self.engaged {
+            let other = 2 - i; // column of the other clutch
+            b[(0, other)] = 0.0;
+            b[(1, other)] = (self.g[1 - i] - self.g[i]) / self.j_out;
+        }
         b
     }
 
     /// T_o [N·m] of a state.
     pub fn t_o(&self, x: &Vector4<f64>) -> f64 {
         x[3] + self.c * (x[1] - x[2])
-    }
-
-    /// T_ci of the engaged clutch `i` [N·m]: (6) without differentiating.
-    ///
-    /// `other`: torque of the other clutch [N·m]. `t_y`: that of synchronisers [N·m].
-    pub fn constraint_torque(
-        &self,
-        x: &Vector4<f64>,
-        i: usize,
-        t_e: f64,
-        other: f64,
-        t_y: f64,
-    ) -> f64 {
-        let (g, g_j) = (self.g[i], self.g[1 - i]);
-        let acting = g * (t_e - other) + g_j * other + t_y - self.t_o(x);
-        t_e - other - self.j_ed * g * acting / self.j_together(i)
-    }
-
-    /// J_out + g_i² J_ed: gearbox and engine at the output while clutch `i` is engaged [kg·m²].
-    fn j_together(&self, i: usize) -> f64 {
-        self.j_out + self.g[i] * self.g[i] * self.j_ed
     }
 }
 
@@ -117,17 +142,36 @@ mod tests {
     /// Round-off of a few products.
     const TOLERANCE: f64 = 1e-9;
 
-    /// With the constraint torque the free model keeps ω_e = g_i ω_o.
+    /// (4), (5), (8) with the clutch torques that are told: they move the output as the engaged model does.
     #[test]
-    fn constraint_torque_keeps_both_sides_of_the_clutch_together() {
-        let model = Speeds::new(&P, [1, 2]);
-        let x = Vector4::new(180.0, 10.0, 9.7, 500.0);
+    fn torque_of_an_engaged_clutch_is_what_turns_the_output() {
+        let free = Speeds::new(&P, [1, 2]);
+        let x = Vector4::new(180.5, 10.0, 9.7, 500.0);
         for (i, other) in [(0, 12.0), (1, -7.0)] {
-            let mut v = Vector5::new(60.0, other, other, 250.0, -30.0);
-            v[1 + i] = model.constraint_torque(&x, i, 60.0, other, -30.0);
-            let x_dot = model.a() * x + model.b() * v;
-            assert!((x_dot[0] - model.g[i] * x_dot[1]).abs() < TOLERANCE);
+            let engaged = free.behind(&P, Some(i), 1.0);
+            let mut t = [other; 2];
+            t[i] = 40.0; // T_k
+            let moves = |model: &Speeds, t: [f64; 2]| {
+                let v = Vector5::new(60.0, t[0], t[1], 250.0, -30.0);
+                (model.a() * x + model.b() * v)[1]
+            };
+            let told = engaged.clutch_torques(&x, t, -30.0);
+            assert!((moves(&engaged, t) - moves(&free, told)).abs() < TOLERANCE);
         }
+    }
+
+    /// V̇ without inputs: no term but the dampings of damper and drive shaft.
+    #[test]
+    fn energy_falls_by_the_loss_in_the_damper_of_an_engaged_clutch() {
+        let model = Speeds::new(&P, [1, 2]).behind(&P, Some(0), 1.0);
+        let (x, t_k) = (Vector4::new(180.5, 10.0, 9.7, 500.0), 40.0);
+        let v = Vector5::new(0.0, t_k, 0.0, 0.0, 0.0);
+        let x_dot = model.a() * x + model.b() * v;
+        let inertias = Vector4::new(model.j_ed, model.j_out, model.j_v, 1.0 / model.k);
+        let [e, o] = model.twist();
+        let power = inertias.component_mul(&x).dot(&x_dot) + t_k * (e * x[0] + o * x[1]) / P.k_d;
+        let lost = P.c_o * 0.3 * 0.3 + P.c_d * 0.5 * 0.5;
+        assert!((power + lost).abs() < 1e-7, "{power} {lost} W");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What `kalman` and `calibrating` do alike: a belief that starts with the seven states
-//! (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v), corrected by what a car measures.
+//! (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v), corrected by what a car measures. How the clutches carry their torques
+//! stands in carry.rs.
 //!
 //! A clutch below its touch point carries nothing: its torque is a measurement of zero. No friction map
 //! enters: μ̂ is T̂_c over the force.
@@ -10,7 +11,7 @@ use crate::observer::friction::Friction;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
-use crate::observer::speeds::output_speed;
+use crate::observer::speeds::{Speeds, output_speed};
 use crate::observer::standstill::held;
 use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
 use nalgebra::SVector;
@@ -33,7 +34,7 @@ pub const SHARED: usize = 7;
 /// Deviations at the start: speeds [rad/s], T_s, T_c1, T_c2, T_v [N·m].
 pub const START: [f64; SHARED] = [0.5, 0.5, 0.5, 100.0, 20.0, 20.0, 200.0];
 /// Deviation of the zero that an open clutch measures [N·m].
-const OPEN: f64 = 0.1;
+pub const OPEN: f64 = 0.1;
 /// Time constant of the low pass of the normalised innovation [s].
 const MEMORY: f64 = 0.5;
 /// Smallest lever that tells a friction [N·m].
@@ -46,8 +47,12 @@ pub struct Tracker<const N: usize> {
     pub belief: Belief<N>,
     /// Innovations of ω_e, ω_o, ω_w at the last instant [rad/s], shape (3).
     pub innovation: [f64; 3],
-    /// Engaged clutches.
+    /// Clutches that hold, as the slip tells.
     pub lock: Lock,
+    /// The clutch that is engaged: its state is T_k, what the damper carries.
+    pub engaged: Option<usize>,
+    /// T̂_c1, T̂_c2 of the last estimate [N·m], shape (2).
+    pub t_c: [f64; 2],
     /// Friction learnt while slipping.
     pub friction: Friction,
     /// What tells that the inputs make no sense.
@@ -64,7 +69,12 @@ impl<const N: usize> Default for Tracker<N> {
         Self {
             belief: Belief::new(SVector::zeros(), SVector::zeros()),
             innovation: [0.0; 3],
-            lock: Lock::default(),
+            lock: Lock {
+                wary: true,
+                ..Lock::default()
+            },
+            engaged: None,
+            t_c: [0.0; 2],
             friction: Friction::nominal([0.0; 2]),
             monitor: Monitor::default(),
             g: [0.0; 2],
@@ -88,6 +98,7 @@ impl<const N: usize> Tracker<N> {
         self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
         self.take_speeds(p, sample, wheel);
         self.lock.start(p, sample);
+        self.engage(p, sample);
         self.monitor.start(p, sample);
     }
 
@@ -96,8 +107,8 @@ impl<const N: usize> Tracker<N> {
         if self.g != p.g(sample.gear) {
             self.take_speeds(p, sample, wheel);
         }
-        let t_c = [self.belief.x[T_C], self.belief.x[T_C + 1]];
-        self.lock.step(p, sample, t_c, h);
+        self.lock.step(p, sample, self.t_c, h);
+        self.engage(p, sample);
     }
 
     /// The driveline with a wheel that stands, if the brake holds it; `c` of the drive shaft [N·m·s/rad].
@@ -155,13 +166,24 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// Corrects by a measurement `z` of hᵀ x, with variance `r`; returns innovation² over its variance.
-    fn measure(&mut self, h: &SVector<f64, N>, z: f64, r: f64) -> f64 {
+    pub fn measure(&mut self, h: &SVector<f64, N>, z: f64, r: f64) -> f64 {
         self.belief.correct(h, z - h.dot(&self.belief.x), r)
     }
 
     /// After the correction: friction, and whether the inputs make sense.
-    pub fn watch(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) {
+    pub fn watch(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        model: &Speeds,
+        h: f64,
+    ) {
         let (engaged, e) = (self.lock.engaged(), self.innovation_x(p, sample));
+        let x = &self.belief.x;
+        let states = x.fixed_rows::<4>(0).into_owned();
+        self.t_c = model.clutch_torques(&states, [x[T_C], x[T_C + 1]], sample.t_y);
+        self.release(p, sample);
         if settings.adapts {
             let mu_hat = self.mu_hat(p, sample);
             self.friction.learn(p, sample, engaged, mu_hat, h);
@@ -174,7 +196,7 @@ impl<const N: usize> Tracker<N> {
     fn mu_hat(&self, p: &Params, sample: &Sample) -> [f64; 2] {
         [0, 1].map(|i| {
             let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
-            self.belief.x[T_C + i] / lever.max(LEVER)
+            self.t_c[i] / lever.max(LEVER)
         })
     }
 
@@ -195,16 +217,26 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// What is said after a step; `c` of the drive shaft [N·m·s/rad].
-    pub fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, c: f64) -> Estimate {
-        let x = &self.belief.x;
+    pub fn estimate(
+        &self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        model: &Speeds,
+    ) -> Estimate {
+        let (x, c) = (&self.belief.x, model.c);
         let t_o: SVector<f64, N> = row(&[(T_S, 1.0), (W_O, c), (W_W, -c)]);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
         let common = common_estimate(p, settings, sample, engaged, fault);
         let said = Estimate {
-            t_c: [x[T_C], x[T_C + 1]],
+            t_c: self.t_c,
             t_o: t_o.dot(x),
             t_v: x[T_V] + brake(p, sample),
-            t_c_deviation: [0, 1].map(|i| self.belief.deviation(&row(&[(T_C + i, 1.0)]))),
+            t_c_deviation: [0, 1].map(|i| {
+                let other = if self.engaged == Some(i) { -1.0 } else { 0.0 };
+                self.belief
+                    .deviation(&row(&[(T_C + i, 1.0), (T_C + 1 - i, other)]))
+            }),
             t_o_deviation: self.belief.deviation(&t_o),
             friction: self.friction.mu,
             innovation: self.innovation_x(p, sample),
@@ -220,9 +252,22 @@ impl<const N: usize> Tracker<N> {
         self.belief.p.iter_mut().for_each(&mut *visit);
         self.innovation.iter_mut().for_each(&mut *visit);
         self.lock.visit(visit);
+        visit_clutch(&mut self.engaged, visit);
+        self.t_c.iter_mut().for_each(&mut *visit);
         self.friction.visit(visit);
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
         visit(&mut self.surprise);
     }
+}
+
+/// Visits which clutch, if any, as 0, 1 or 2.
+fn visit_clutch(clutch: &mut Option<usize>, visit: Visit<'_>) {
+    let codes = [(None, 0.0), (Some(0), 1.0), (Some(1), 2.0)];
+    let mut code = codes[clutch.map_or(0, |i| i + 1)].1;
+    visit(&mut code);
+    *clutch = codes
+        .iter()
+        .find(|known| known.1 == code)
+        .and_then(|known| known.0);
 }

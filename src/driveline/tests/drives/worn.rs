@@ -136,7 +136,8 @@ fn the_corrected_map_is_the_worn_one() {
     for (i, clutch) in taught.clutch.iter().enumerate() {
         let force = clutch.map.force;
         assert!(force[0] == 0.0 && force.windows(2).all(|two| two[0] <= two[1]));
-        for theta in [4e-3, 5e-3, 6e-3, 7e-3, 8e-3] {
+        let from = [0, 1][i]; // clutch 2 slips alone from 5.6 mm on: at 4 mm nothing was learnt of it
+        for theta in [4e-3, 5e-3, 6e-3, 7e-3, 8e-3].into_iter().skip(from) {
             let truth = drive.p.clutch[i].mu_k * drive.p.clutch[i].map.force(theta);
             let off = |map: &ForceMap| learnt.friction[i] * map.force(theta) / truth - 1.0;
             let (ours, before) = (off(&clutch.map), off(&p.clutch[i].map));

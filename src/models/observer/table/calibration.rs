@@ -230,7 +230,7 @@ pub(super) const ANCHORS: [Variable<Observer>; 13] = [
         "gain.calibrating.clutch",
         U::ONE,
         |m| &mut m.settings.calibrating.q[0],
-        "q_T: intensity of the torque of a slipping clutch in (N.m)2/s, calibrating",
+        "q_T: intensity of the friction of a slipping clutch, relative, in 1/s, calibrating",
     )
     .tunable(),
     believed(

@@ -107,7 +107,7 @@ pub(super) const GAINS: [Variable<Observer>; 19] = [
         "gain.kalman.clutch",
         U::ONE,
         |m| &mut m.settings.kalman.q_t,
-        "q_T: intensity of the clutch torques in (N.m)2/s, kalman",
+        "q_T: intensity of the friction of a slipping clutch, relative, in 1/s, kalman",
     ),
     gain(
         "gain.kalman.load",

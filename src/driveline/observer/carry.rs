@@ -1,0 +1,138 @@
+//! How `kalman` and `calibrating` see the clutches carry their torques.
+//!
+//! ```text
+//! slips:     T_ci moves with its force, T_ci' = T_ci F'/F, and its friction walks: q = q_T T_ci²
+//! engaged:   T_k takes the place of T_ci, what the damper carries:          T_k' = k_d (ω_e − g_i ω_o)
+//! neither:   for the moment T_ci is a fast random walk
+//! ```
+//!
+//! Behind the damper stand J_e and J_out + g_i² J_d, as in [`damper`](crate::observer::damper), and
+//!
+//! ```text
+//! T_ci = T_k + c_d (ω_e − g_i ω_o) − T_cj − J_d g_i ω_o'
+//! ```
+//!
+//! so an engaged clutch swings with the damper after a lock-up or a gear change, and what the other one does in a
+//! handover does not move T_k. A random walk fast enough for the swing, 1400 N·m/s, lags by 10 N·m and lets the noise in.
+//!
+//! The stiffness is not known to the last: T_k walks by a part of what the damper winds. Behind a clutch whose friction
+//! is not known that part is all of it, as what looks like a twist may be its slip.
+
+use crate::Params;
+use crate::observer::Sample;
+use crate::observer::filter::{Belief, row};
+use crate::observer::grip::Hold;
+use crate::observer::phase::pressed;
+use crate::observer::speeds::Speeds;
+use crate::observer::tracker::{OPEN, T_C, Tracker, W_E, W_O};
+use nalgebra::SVector;
+
+/// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
+const UNSURE: f64 = 4000.0;
+/// Relative deviation of a friction that was learnt earlier [1].
+const REMEMBERED: f64 = 0.15;
+/// Time for which its error lasts [s].
+const LASTS: f64 = 0.1;
+/// Intensity of T_k of the damper behind an engaged clutch [(N·m)²/s].
+const DAMPER: f64 = 1.0;
+/// Relative error of what the damper winds [1]: friction of the clutch behind it known, and not.
+const STIFFNESS: [f64; 2] = [0.2, 1.0];
+/// Time for which it acts in one direction: a quarter of a swing [s].
+const SWING: f64 = 0.05;
+/// Relative deviation of the torque that a change of force brings [1]: friction known, and not.
+const FORCE: [f64; 2] = [0.3, 1.0];
+
+impl<const N: usize> Tracker<N> {
+    /// T_k = T_c1 + T_c2 takes the place of T_ci where clutch i engages, and gives it back where it lets go.
+    pub fn engage(&mut self, p: &Params, sample: &Sample) {
+        let engaged = self.lock.harder(p, sample);
+        if engaged != self.engaged {
+            for (clutch, sign) in [(self.engaged, -1.0), (engaged, 1.0)] {
+                if let Some(i) = clutch {
+                    self.add(T_C + i, T_C + 1 - i, sign);
+                }
+            }
+            self.engaged = engaged;
+        }
+    }
+
+    /// State `to` becomes itself plus `factor` times state `from`.
+    fn add(&mut self, to: usize, from: usize, factor: f64) {
+        let Belief { x, p } = &mut self.belief;
+        x[to] += factor * x[from];
+        let row = p.row(from) * factor;
+        let mut into = p.row_mut(to);
+        into += row;
+        let column = p.column(from) * factor;
+        let mut into = p.column_mut(to);
+        into += column;
+    }
+
+    /// T_c of a slipping clutch moves with its force.
+    pub fn follow_force(&mut self, hold: [Hold; 2]) {
+        let Self {
+            belief,
+            friction,
+            lock,
+            ..
+        } = self;
+        for (i, hold) in hold.into_iter().enumerate() {
+            let before = belief.x[T_C + i];
+            let known = friction.mu[i] * lock.direction[i];
+            let after = before + hold.change(before, known);
+            let relative = FORCE[usize::from(!friction.known(i))];
+            belief.x[T_C + i] = after;
+            belief.p[(T_C + i, T_C + i)] +=
+                relative * relative * (after * after - before * before).abs();
+        }
+    }
+
+    /// Intensities of T_c1, T_c2 [(N·m)²/s] in those of all states `q`, shape (N), where they are relative [1/s].
+    pub fn noise(&self, model: &Speeds, hold: [Hold; 2], q: &mut SVector<f64, N>) {
+        let [e, o] = model.twist();
+        let x = &self.belief.x;
+        let rate = e * x[W_E] + o * x[W_O];
+        for i in [0, 1] {
+            match hold[i] {
+                Hold::Slips { now, .. } => {
+                    let torque = x[T_C + i].abs().max(self.friction.mu[i] * now);
+                    q[T_C + i] *= torque * torque;
+                }
+                Hold::Unsure => q[T_C + i] = UNSURE,
+                Hold::Engaged => {
+                    let wrong = rate * STIFFNESS[usize::from(!self.friction.known(i))];
+                    q[T_C + i] = DAMPER + wrong * wrong * SWING;
+                }
+            }
+        }
+    }
+
+    /// In a handover, where speeds leave one direction of both torques nearly undetermined (erratum E5), a clutch that
+    /// slips carries what its friction, if it was learnt, makes of its force.
+    pub fn remember(&mut self, p: &Params, sample: &Sample, hold: [Hold; 2], h: f64) {
+        if pressed(p, sample) != [true; 2] {
+            return;
+        }
+        for (i, hold) in hold.into_iter().enumerate() {
+            if let (Hold::Slips { now, .. }, true) = (hold, self.friction.known(i)) {
+                let torque = self.friction.mu[i] * now * self.lock.direction[i];
+                let sigma = REMEMBERED * torque.abs() + OPEN;
+                self.measure(
+                    &row(&[(T_C + i, 1.0)]),
+                    torque,
+                    sigma * sigma * (LASTS / h).max(1.0),
+                );
+            }
+        }
+    }
+
+    /// A clutch of a known friction that would carry more than it can slips.
+    pub fn release(&mut self, p: &Params, sample: &Sample) {
+        if let Some(i) = self.engaged.filter(|i| self.friction.known(*i)) {
+            let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
+            let handover = p.clutch[1 - i].force(sample.actuation[1 - i]) > 0.0;
+            let kinetic = self.friction.mu[i] * lever;
+            self.lock.bear(p, i, self.t_c[i], kinetic, handover);
+        }
+    }
+}
