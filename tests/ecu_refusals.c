@@ -78,6 +78,15 @@ static void steps(void)
     expect(step(1e-3), DCT_SAMPLE, "an infinite speed");
 }
 
+static void takes_over(void)
+{
+    const dct_vehicle kept = vehicle;
+    expect(dct_take_over(&vehicle, NULL, &estimate), DCT_NULL, "no settings to take over into");
+    expect(dct_take_over(&vehicle, &settings, &estimate), DCT_METHOD, "nothing to take over");
+    if (memcmp(&kept, &vehicle, sizeof kept) != 0)
+        wrong = 1;
+}
+
 int main(void)
 {
     again();
@@ -85,6 +94,7 @@ int main(void)
     if (start() != DCT_OK)
         return 1;
     before = observer;
+    takes_over();
     steps();
     again();
     if (step(1e-3) != DCT_OK || memcmp(&observer, &before, sizeof observer) == 0)

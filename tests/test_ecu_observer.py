@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_loop_runs import ROOT, SYSTEMS, Runs
-from dct_harness import parameters
+from dct_harness import calibration, parameters
 from dct_harness.results import Results
 
 EXAMPLE = ROOT / "examples" / "ecu_observer"
@@ -25,7 +25,7 @@ MEASURED = ("engine.speed", "clutch1.speed", "clutch2.speed", "wheel.speed")
 SCRIPTED = ("engine.torque", "road.grade", "brake.torque")
 MOVED = {"methods_case1": "position", "methods_wet6": "pressure"}
 LEAST = 0.6  # of what is stated: measured on x86-64, rounded up
-OUTPUTS = 33  # of dct_estimate with a name of the FMU: all but `fault`
+OUTPUTS = 53  # of dct_estimate with a name of the FMU: all but `fault`
 ROWS = {"paper": ("--no-default-features", "--features", "paper"), "all five": ()}  # of the README
 
 
@@ -64,12 +64,14 @@ def loops(tmp_path_factory: pytest.TempPathFactory) -> Runs:
     return Runs(tmp_path_factory.mktemp("loops"))
 
 
-def _replayed(program: Path, parameters: dict[str, float], table: dict[str, np.ndarray]) -> dict:
+def _replayed(
+    program: Path, values: dict[str, float], table: dict[str, np.ndarray], *more: object
+) -> dict[str, np.ndarray]:
     """Return the estimates of the C program for columns of measurements."""
     rows = np.column_stack(list(table.values())).tolist()
     text = "\n".join([",".join(table), *(",".join(map(repr, row)) for row in rows)])
-    words = [f"{name}={float(value)!r}" for name, value in parameters.items()]
-    done = _done(program, *words, input=text + "\n")
+    words = [f"{name}={float(value)!r}" for name, value in values.items()]
+    done = _done(program, *words, *more, input=text + "\n")
     said = np.genfromtxt(io.StringIO(done.stdout), delimiter=",", names=True, deletechars="")
     return {name: said[name] for name in said.dtype.names}
 
@@ -98,21 +100,34 @@ def test_c_and_fmu_give_the_same_bits(replay: Path, loops: Runs, system: str, me
         assert np.array_equal(column, loop[f"{COMPONENTS[method]}.{name}"]), name
 
 
-def test_what_was_learnt_starts_the_next_drive(replay: Path, loops: Runs) -> None:
-    """The last calibration as settings: a torque that reads 5 % too high is known at once."""
-    table = _measured(loops("methods_case1"), "position")
-    table["engine.torque"] = 1.05 * table["engine.torque"]
+def test_what_was_learnt_starts_the_next_drive(replay: Path, loops: Runs, tmp_path: Path) -> None:
+    """As `calibration.ssv` has it; a torque that reads 5 % too high is then known at once."""
+    loop = loops("methods_case1")
+    table, kept = _measured(loop, "position"), tmp_path / "next.txt"
     first = {**NOMINAL, "observer.method": 5}
-    learnt = _replayed(replay, first, table)
-    started = {}
-    for name in [name for name in learnt if name.endswith("Deviation") and "calib" in name]:
-        value = name.removesuffix("Deviation")
-        if value != "calibration.vehicleMass":
-            started |= {f"{value}Start": learnt[value][-1], f"{value}Sigma": learnt[name][-1]}
-    assert len(started) == 16
-    again = _replayed(replay, {**first, **started}, table)
-    assert learnt["calibration.torqueScale"][-1] == pytest.approx(1 / 1.05 - 1, abs=0.01)
+    _replayed(replay, first, table, "--next", kept)
+    assert _kept(kept).items() >= first.items() - NOMINAL.items()
+    for name, value in calibration.learnt(loop, "calibrating").items():
+        assert _kept(kept)[name] == pytest.approx(value, rel=1e-12), name
+    table["engine.torque"] = 1.05 * table["engine.torque"]
+    _replayed(replay, first, table, "--next", kept)
+    again = _replayed(replay, _kept(kept), table)
     assert again["calibration.torqueScale"][0] == pytest.approx(1 / 1.05 - 1, abs=0.01)
+
+
+def _kept(path: Path) -> dict[str, float]:
+    """Return the parameters that the C program wrote."""
+    rows = (line.partition("=") for line in path.read_text().splitlines())
+    return {name: float(value) for name, _, value in rows}
+
+
+def test_a_method_that_does_not_learn_has_nothing_to_keep(replay: Path, tmp_path: Path) -> None:
+    words = [replay, "observer.method=4", "--next", tmp_path / "next.txt"]
+    done = subprocess.run(words, input="time,engine.speed\n0,90\n0.001,90\n", check=False,
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 1
+    assert "nothing was learnt" in done.stderr
+    assert not (tmp_path / "next.txt").exists()
 
 
 def _stated() -> dict[str, list[float]]:

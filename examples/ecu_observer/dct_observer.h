@@ -17,6 +17,7 @@ extern "C" {
 #define DCT_GEARS_PER_SHAFT 4
 #define DCT_MAP_POINTS 10
 #define DCT_PARAMETERS 8 /* that the method `calibrating` learns */
+#define DCT_FRICTION_POINTS 5 /* of a friction over the position, evenly from the touch point to the end of the map */
 #define DCT_OBSERVER_DOUBLES 640 /* room of dct_observer; the library does not compile if it is short */
 
 /* What a call says. */
@@ -25,7 +26,7 @@ enum {
     DCT_NULL = 1,    /* a pointer is null: nothing was done */
     DCT_VEHICLE = 2, /* a value of the vehicle or the settings makes no sense: nothing was done */
     DCT_SAMPLE = 3,  /* a sample or a step that is no number or out of range: the state stays as it was */
-    DCT_METHOD = 4   /* the library was built without this method: nothing was done */
+    DCT_METHOD = 4   /* the library was built without this method, or it does not learn: nothing was done */
 };
 
 /* Method of estimation. */
@@ -90,6 +91,7 @@ typedef struct {
     double nominal_friction[2];         /* mu_n, where the adaptation starts */
     double calibration[DCT_PARAMETERS]; /* DCT_CALIBRATING: what an earlier drive learnt, in the order of dct_estimate */
     double calibration_deviation[DCT_PARAMETERS]; /* its standard deviations; 0 trusts the parameter */
+    double friction_deviation[2][DCT_FRICTION_POINTS]; /* DCT_CALIBRATING: of nominal_friction over the position */
     int32_t adaptation;                 /* 0: the friction is not adapted */
     int32_t load_method;                /* load torque: 1 grade, 2 engine, 3 momentum */
     int32_t method;                     /* DCT_PAPER to DCT_CALIBRATING */
@@ -124,6 +126,8 @@ typedef struct {
                                          * inertia and J_v [1]; 0 of other methods */
     double calibration_deviation[DCT_PARAMETERS]; /* their standard deviations */
     double vehicle_mass[2];            /* DCT_CALIBRATING: mass and its standard deviation [kg] */
+    double friction_map[2][DCT_FRICTION_POINTS]; /* DCT_CALIBRATING: friction over the position */
+    double friction_map_deviation[2][DCT_FRICTION_POINTS]; /* its standard deviations */
     int32_t engaged[2];                /* 1: the clutch is taken as engaged */
     int32_t phase;                     /* DCT_OPEN to DCT_HANDOVER */
     int32_t valid;                     /* 0: do not use this estimate */
@@ -146,6 +150,10 @@ int32_t dct_observer_start(dct_observer *observer, const dct_vehicle *vehicle,
 /* Advances by `step` [s], > 0 and <= 0.1. A constant step is the fast one. */
 int32_t dct_observer_step(dct_observer *observer, const dct_sample *sample, double step,
                           dct_estimate *estimate);
+
+/* Puts what DCT_CALIBRATING has learnt until `estimate` into vehicle and settings, those of that start: keep them in
+ * memory that lasts, and start the next drive with them. Force maps take the friction over the position. */
+int32_t dct_take_over(dct_vehicle *vehicle, dct_settings *settings, const dct_estimate *estimate);
 
 #ifdef __cplusplus
 }

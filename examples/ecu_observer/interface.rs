@@ -3,11 +3,13 @@
 use crate::header;
 use crate::vehicle::{above, is_size};
 use dct_driveline::observer::calibrating::{Gains, PARAMETERS};
+use dct_driveline::observer::friction_map::POINTS;
 use dct_driveline::observer::prior::Prior;
 use dct_driveline::observer::{self, Fault, LoadMethod, Method, Phase};
 use dct_driveline::params::Actuation;
 
 const _: () = assert!(header::number("#define DCT_PARAMETERS ") == PARAMETERS);
+const _: () = assert!(header::number("#define DCT_FRICTION_POINTS ") == POINTS);
 const _: () = assert!(header::number("DCT_PAPER = ") == Method::Paper as usize);
 const _: () = assert!(header::number("DCT_LYAPUNOV = ") == Method::Lyapunov as usize);
 const _: () = assert!(header::number("DCT_ENERGY = ") == Method::Energy as usize);
@@ -35,6 +37,7 @@ pub struct SettingsOfC {
     nominal_friction: [f64; 2],
     calibration: [f64; PARAMETERS],
     calibration_deviation: [f64; PARAMETERS],
+    friction_deviation: [[f64; POINTS]; 2],
     adaptation: i32,
     load_method: i32,
     method: i32,
@@ -68,6 +71,8 @@ pub struct Estimate {
     calibration: [f64; PARAMETERS],
     calibration_deviation: [f64; PARAMETERS],
     vehicle_mass: [f64; 2],
+    friction_map: [[f64; POINTS]; 2],
+    friction_map_deviation: [[f64; POINTS]; 2],
     engaged: [i32; 2],
     phase: i32,
     valid: i32,
@@ -80,6 +85,7 @@ impl SettingsOfC {
         nominal_friction: observer::Settings::CASE_1.mu_n,
         calibration: Prior::NONE.0,
         calibration_deviation: Gains::DEFAULT.sigma,
+        friction_deviation: Gains::DEFAULT.friction,
         adaptation: 1,
         load_method: 3,
         method: Method::Paper as i32,
@@ -105,6 +111,7 @@ impl SettingsOfC {
                 calibrating: Gains {
                     prior: Prior(self.calibration),
                     sigma: self.calibration_deviation,
+                    friction: self.friction_deviation,
                     ..Gains::DEFAULT
                 },
                 ..observer::Settings::CASE_1
@@ -117,7 +124,20 @@ impl SettingsOfC {
         learnt.all(|(k, value)| {
             let low = if BIASES.contains(&k) { f64::MIN } else { RATIO };
             above(*value, low)
-        }) && self.calibration_deviation.iter().all(|s| is_size(*s))
+        }) && self.deviations().all(|s| is_size(*s))
+    }
+
+    fn deviations(&self) -> impl Iterator<Item = &f64> {
+        let friction = self.friction_deviation.as_flattened();
+        self.calibration_deviation.iter().chain(friction)
+    }
+
+    /// What was learnt until `estimate`.
+    pub fn take_over(&mut self, estimate: &Estimate) {
+        self.nominal_friction = estimate.friction;
+        self.calibration = estimate.calibration;
+        self.calibration_deviation = estimate.calibration_deviation;
+        self.friction_deviation = estimate.friction_map_deviation;
     }
 }
 
@@ -140,6 +160,21 @@ impl From<&Sample> for observer::Sample {
     }
 }
 
+impl Estimate {
+    /// What `calibrating` has learnt can be taken over: it acted, and saw numbers.
+    pub fn has_learnt(&self) -> bool {
+        let map = self.friction_map.as_flattened().iter();
+        self.friction.iter().all(|mu| above(*mu, 0.0))
+            && map.chain(&self.calibration).all(|value| value.is_finite())
+            && self.calibration_deviation.iter().any(|s| above(*s, 0.0))
+    }
+
+    /// Friction of clutch `i` as one number, and over the position.
+    pub fn friction_of(&self, i: usize) -> (f64, [f64; POINTS]) {
+        (self.friction[i], self.friction_map[i])
+    }
+}
+
 impl From<observer::Estimate> for Estimate {
     fn from(estimate: observer::Estimate) -> Self {
         Self {
@@ -154,6 +189,8 @@ impl From<observer::Estimate> for Estimate {
             calibration: estimate.calibration.value,
             calibration_deviation: estimate.calibration.deviation,
             vehicle_mass: estimate.calibration.mass,
+            friction_map: estimate.calibration.friction,
+            friction_map_deviation: estimate.calibration.friction_deviation,
             engaged: estimate.engaged.map(i32::from),
             phase: estimate.phase as i32,
             valid: i32::from(estimate.valid),

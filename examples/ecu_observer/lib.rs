@@ -150,6 +150,25 @@ pub extern "C" fn dct_observer_step(
     OK
 }
 
+/// Takes over what was learnt, for the next start.
+// SAFETY: no other symbol of this library or of C has this name.
+#[unsafe(no_mangle)]
+pub extern "C" fn dct_take_over(
+    vehicle: Option<&mut Vehicle>,
+    settings: Option<&mut SettingsOfC>,
+    estimate: Option<&Estimate>,
+) -> i32 {
+    let (Some(vehicle), Some(settings), Some(estimate)) = (vehicle, settings, estimate) else {
+        return NULL;
+    };
+    if !estimate.has_learnt() {
+        return METHOD;
+    }
+    vehicle.take_over(estimate);
+    settings.take_over(estimate);
+    OK
+}
+
 /// Ends here what cannot happen: a control unit's watchdog notices.
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {

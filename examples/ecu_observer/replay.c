@@ -5,7 +5,8 @@
  *
  *     replay observer.method=5 clutch1.nominalFriction=0.4 'shaft1.gearRatio[1]=3.0' < measured.csv > estimated.csv
  *
- * The first row is the instant of the start.
+ * The first row is the instant of the start. `--next FILE` writes the parameters that the next drive starts with, one
+ * a line, after what DCT_CALIBRATING has learnt.
  */
 #include "names.h"
 #include <stdlib.h>
@@ -113,13 +114,35 @@ static int replay(void)
     return said != DCT_OK || row < 0;
 }
 
+/* Writes all parameters with what was learnt; 0: that failed. */
+static int write_next(const char *path)
+{
+    int32_t said = dct_take_over(&vehicle, &settings, &estimate);
+    FILE *file = said == DCT_OK ? fopen(path, "w") : NULL;
+    if (!file) {
+        fprintf(stderr, "replay: --next %s: cannot be written, or nothing was learnt\n", path);
+        return 0;
+    }
+    for (size_t k = 0; k < COUNT(parameters); k++) {
+        const named *row = &parameters[k];
+        fprintf(file, "%s=%.17g\n", row->name, row->real ? *row->real : (double)*row->integer);
+    }
+    for (size_t k = 0; k < COUNT(arrays); k++)
+        for (int i = 0; i < arrays[k].count; i++)
+            fprintf(file, "%s[%d]=%.17g\n", arrays[k].name, i + 1, arrays[k].first[i]);
+    return fclose(file) == 0;
+}
+
 int main(int words, char **word)
 {
+    const char *next_start = NULL;
     dct_table_1(&vehicle, &settings);
     sample.gear[0] = 1;
     sample.gear[1] = 2;
     for (int k = 1; k < words; k++) {
-        if (!take(word[k])) {
+        if (strcmp(word[k], "--next") == 0 && k + 1 < words) {
+            next_start = word[++k];
+        } else if (!take(word[k])) {
             fprintf(stderr, "replay: no parameter '%s'\n", word[k]);
             return 2;
         }
@@ -128,5 +151,8 @@ int main(int words, char **word)
         fprintf(stderr, "replay: the first line has to name the columns, `time` first\n");
         return 2;
     }
-    return replay();
+    int failed = replay();
+    if (!failed && next_start)
+        failed = !write_next(next_start);
+    return failed;
 }

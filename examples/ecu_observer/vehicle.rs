@@ -1,7 +1,9 @@
 //! `dct_vehicle` of `dct_observer.h`, field by field in its order, and what it becomes inside.
 
 use crate::header;
+use crate::interface::Estimate;
 use dct_driveline::clutch::MAP_POINTS;
+use dct_driveline::observer::friction_map::corrected;
 use dct_driveline::params::{ClutchParams, GEARS_PER_SHAFT, RoadParams};
 use dct_driveline::{ForceMap, Params};
 
@@ -91,6 +93,16 @@ impl Vehicle {
             ])
     }
 
+    /// Force maps that carry with one friction what was learnt over the position; a piston has none.
+    pub fn take_over(&mut self, estimate: &Estimate) {
+        for (i, clutch) in self.clutch.iter_mut().enumerate() {
+            let (friction, over_position) = estimate.friction_of(i);
+            if clutch.piston_area <= 0.0 {
+                clutch.map_force = corrected(&clutch.map(), over_position, friction).force;
+            }
+        }
+    }
+
     fn params(&self) -> Params {
         Params {
             j_e: self.engine_inertia,
@@ -163,13 +175,17 @@ impl Clutch {
             && forces
     }
 
+    const fn map(&self) -> ForceMap {
+        ForceMap {
+            position: self.map_position,
+            force: self.map_force,
+        }
+    }
+
     fn params(&self, rest: &ClutchParams) -> ClutchParams {
         ClutchParams {
             r_c_n: self.effective_radius,
-            map: ForceMap {
-                position: self.map_position,
-                force: self.map_force,
-            },
+            map: self.map(),
             piston_area: self.piston_area,
             return_force: self.return_force,
             ..*rest

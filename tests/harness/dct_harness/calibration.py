@@ -71,12 +71,12 @@ def _map(run: Results, component: str, clutch: str, friction: float) -> dict[str
     head, known = f"{component}.{clutch}.{MAP}", run.run["parameters"][component]
     deviations = {f"{clutch}.{SIGMA}[{k}]": float(run[f"{head}Deviation[{k}]"][-1])
                   for k in range(1, POINTS + 1)}  # fmt: skip
-    if known[f"{clutch}.pistonArea"]["value"] > 0:
+    if known[f"{clutch}.pistonArea"]["value"] > 0 or friction <= 0:
         return deviations
     position, force = force_map(known, clutch)
     learnt = [float(run[f"{head}[{k}]"][-1]) for k in range(1, POINTS + 1)]
     share = np.interp(position, places(position, force), learnt) / friction
-    corrected = np.maximum.accumulate(force * share)
+    corrected = np.maximum.accumulate(np.maximum(force * share, 0.0))
     return deviations | {f"{clutch}.map.force[{k}]": float(f) for k, f in enumerate(corrected, 1)}
 
 
