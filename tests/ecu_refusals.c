@@ -57,6 +57,9 @@ static void starts(void)
     settings.calibration_deviation[7] = -1.0;
     expect(start(), DCT_VEHICLE, "a deviation below 0");
     again();
+    settings.encoder_ticks[3] = -48.0;
+    expect(start(), DCT_VEHICLE, "an encoder with less than no ticks");
+    again();
     vehicle.gear_inertia[1][2] = -1.0;
     expect(start(), DCT_VEHICLE, "an inertia of a gear below 0");
     again();

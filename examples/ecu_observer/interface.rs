@@ -38,6 +38,7 @@ pub struct SettingsOfC {
     calibration: [f64; PARAMETERS],
     calibration_deviation: [f64; PARAMETERS],
     friction_deviation: [[f64; POINTS]; 2],
+    encoder_ticks: [f64; 4],
     adaptation: i32,
     load_method: i32,
     method: i32,
@@ -86,6 +87,7 @@ impl SettingsOfC {
         calibration: Prior::NONE.0,
         calibration_deviation: Gains::DEFAULT.sigma,
         friction_deviation: Gains::DEFAULT.friction,
+        encoder_ticks: observer::Settings::CASE_1.encoder,
         adaptation: 1,
         load_method: 3,
         method: Method::Paper as i32,
@@ -101,13 +103,15 @@ impl SettingsOfC {
             _ => return None,
         };
         let friction = |mu: &f64| *mu > 0.0 && *mu <= 1.0;
-        let fine = self.nominal_friction.iter().all(friction) && self.is_calibration();
+        let counted = self.encoder_ticks.iter().all(|ticks| is_size(*ticks));
+        let fine = counted && self.nominal_friction.iter().all(friction) && self.is_calibration();
         fine.then_some((
             method,
             observer::Settings {
                 mu_n: self.nominal_friction,
                 load,
                 adapts: self.adaptation != 0,
+                encoder: self.encoder_ticks,
                 calibrating: Gains {
                     prior: Prior(self.calibration),
                     sigma: self.calibration_deviation,

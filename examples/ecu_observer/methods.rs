@@ -1,8 +1,7 @@
 //! The methods that are built in, in the room of the largest of them.
 
 use dct_driveline::Params;
-use dct_driveline::observer::select::{start_in_gears, step_in_gears};
-use dct_driveline::observer::shift::Shift;
+use dct_driveline::observer::select::Inputs;
 use dct_driveline::observer::{self, Estimate, Method, Sample, Settings};
 
 /// `Acting`: one state of a method for every feature that is on.
@@ -42,7 +41,7 @@ methods!(
 
 /// An observer of any method that is built in.
 pub struct Chosen {
-    shift: Shift,
+    inputs: Inputs,
     acting: Acting,
 }
 
@@ -50,25 +49,20 @@ impl Chosen {
     /// Not started; `None` if the method was not built in.
     pub fn new(method: Method) -> Option<Self> {
         Acting::new(method).map(|acting| Self {
-            shift: Shift::default(),
+            inputs: Inputs::default(),
             acting,
         })
     }
 
     /// Starts from measurements.
     pub fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        start_in_gears(&mut self.shift, self.acting.observer(), p, settings, sample)
+        self.inputs
+            .start(self.acting.observer(), p, settings, sample)
     }
 
     /// Advances by `h` [s].
     pub fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        step_in_gears(
-            &mut self.shift,
-            self.acting.observer(),
-            p,
-            settings,
-            sample,
-            h,
-        )
+        self.inputs
+            .step(self.acting.observer(), p, settings, sample, h)
     }
 }

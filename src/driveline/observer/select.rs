@@ -40,8 +40,7 @@ impl Method {
 pub struct Selected {
     /// The method that acts; takes effect with [`Observer::start`].
     pub method: Method,
-    encoders: Encoders,
-    shift: Shift,
+    inputs: Inputs,
     paper: Paper,
     lyapunov: Lyapunov,
     energy: Energy,
@@ -58,7 +57,7 @@ impl Selected {
         }
     }
 
-    fn parts(&mut self) -> (&mut Shift, &mut dyn Observer) {
+    fn parts(&mut self) -> (&mut Inputs, &mut dyn Observer) {
         let acting: &mut dyn Observer = match self.method {
             Method::Paper => &mut self.paper,
             Method::Lyapunov => &mut self.lyapunov,
@@ -66,31 +65,24 @@ impl Selected {
             Method::Kalman => &mut self.kalman,
             Method::Calibrating => &mut self.calibrating,
         };
-        (&mut self.shift, acting)
+        (&mut self.inputs, acting)
     }
 }
 
 impl Observer for Selected {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
         *self = Self::new(self.method);
-        self.encoders.start(sample);
-        let (shift, acting) = self.parts();
-        start_in_gears(shift, acting, p, settings, sample)
+        let (inputs, acting) = self.parts();
+        inputs.start(acting, p, settings, sample)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let counted = self.encoders.step(settings, sample, h);
-        let (sample, settings) = match &counted {
-            Some((sample, settings)) => (sample, settings),
-            None => (sample, settings),
-        };
-        let (shift, acting) = self.parts();
-        step_in_gears(shift, acting, p, settings, sample, h)
+        let (inputs, acting) = self.parts();
+        inputs.step(acting, p, settings, sample, h)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.encoders.visit(visit);
-        self.shift.visit(visit);
+        self.inputs.visit(visit);
         self.paper.visit(visit);
         self.lyapunov.visit(visit);
         self.energy.visit(visit);
@@ -99,31 +91,52 @@ impl Observer for Selected {
     }
 }
 
-/// Starts the observer `acting` with the gears that are preselected, which are in, and `shift` with it.
-pub fn start_in_gears(
-    shift: &mut Shift,
-    acting: &mut dyn Observer,
-    p: &Params,
-    settings: &Settings,
-    sample: &Sample,
-) -> Estimate {
-    shift.start(sample);
-    acting.start(&p.in_gears(sample.gear), settings, sample)
+/// What a sample passes before a method sees it: counted speeds, and which gears are in.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Inputs {
+    encoders: Encoders,
+    shift: Shift,
 }
 
-/// Advances the observer `acting` by `h` [s] with the gears that are in, as `shift` finds them.
-pub fn step_in_gears(
-    shift: &mut Shift,
-    acting: &mut dyn Observer,
-    p: &Params,
-    settings: &Settings,
-    sample: &Sample,
-    h: f64,
-) -> Estimate {
-    let sample = shift.step(p, sample, h);
-    if p.gears_add_inertia() {
-        acting.step(&p.in_gears(sample.gear), settings, &sample, h)
-    } else {
-        acting.step(p, settings, &sample, h)
+impl Inputs {
+    /// Starts the observer `acting` with the gears that are preselected, which are in.
+    pub fn start(
+        &mut self,
+        acting: &mut dyn Observer,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+    ) -> Estimate {
+        self.encoders.start(sample);
+        self.shift.start(sample);
+        acting.start(&p.in_gears(sample.gear), settings, sample)
+    }
+
+    /// Advances the observer `acting` by `h` [s] with the speeds that are counted and the gears that are in.
+    pub fn step(
+        &mut self,
+        acting: &mut dyn Observer,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        h: f64,
+    ) -> Estimate {
+        let counted = self.encoders.step(settings, sample, h);
+        let (sample, settings) = match &counted {
+            Some((sample, settings)) => (sample, settings),
+            None => (sample, settings),
+        };
+        let sample = self.shift.step(p, sample, h);
+        if p.gears_add_inertia() {
+            acting.step(&p.in_gears(sample.gear), settings, &sample, h)
+        } else {
+            acting.step(p, settings, &sample, h)
+        }
+    }
+
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        self.encoders.visit(visit);
+        self.shift.visit(visit);
     }
 }
