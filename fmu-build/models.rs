@@ -185,7 +185,7 @@ pub const MODELS: &[Entry] = &[
         .terminals(TERMINALS)
         .about(about::OBSERVER)
         .icon(icon::OBSERVER)
-        .parameter_sets(parameters::presets::<Observer>)
+        .parameter_sets(parameters::shared::<Observer>)
         .smoke(smoke::OBSERVER)
         .figures(figures::observer),
     Entry::of::<ClutchControl>("dct-clutch-control")

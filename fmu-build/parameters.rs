@@ -35,7 +35,7 @@ pub fn files() -> Result<Vec<(PathBuf, String)>> {
     let folder = library::workspace().join("examples/closed_loop/parameters");
     let components = [
         ("plant", presets::<Plant>()?),
-        ("observer", presets::<Observer>()?),
+        ("observer", shared::<Observer>()?),
         ("control", positions::<ClutchControl>()?),
     ];
     let files = components.into_iter().flat_map(|(component, sets)| {
@@ -51,11 +51,17 @@ pub(crate) fn presets<M: Parametrised>() -> Result<Vec<ParameterSet>> {
     PRESETS.iter().map(of_preset::<M>).collect()
 }
 
+/// The presets that differ in more than what the plant alone knows.
+pub(crate) fn shared<M: Parametrised>() -> Result<Vec<ParameterSet>> {
+    let presets = PRESETS.iter().filter(|preset| !preset.of_plant);
+    presets.map(of_preset::<M>).collect()
+}
+
 /// The presets whose clutches a position moves: a control that moves positions has no other.
 pub(crate) fn positions<M: Parametrised>() -> Result<Vec<ParameterSet>> {
     let by_position = |preset: &&Preset| {
         let clutches = preset.params.clutch.iter();
-        clutches.clone().all(|one| one.piston_area == 0.0)
+        !preset.of_plant && clutches.clone().all(|one| one.piston_area == 0.0)
     };
     let presets = PRESETS.iter().filter(by_position);
     presets.map(of_preset::<M>).collect()

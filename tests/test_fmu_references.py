@@ -25,7 +25,8 @@ LS = "{http://fmi-standard.org/fmi-ls-manifest}fmi-ls-"
 SSV = "application/x-ssp-parameter-set"
 EXPERIMENTS = "application/x-ma-hs-experiments"
 ROLES = re.compile("parameter|result|other|experiment/smoke-test")  # of those of the standard
-SETS = {"DctPlant": {"paper", "wet6", "dry7"}, "DctObserver": {"paper", "wet6", "dry7"},
+VEHICLES = {"paper", "wet6", "dry7"}
+SETS = {"DctPlant": VEHICLES | {"wet6_fade", "dry7_fade"}, "DctObserver": VEHICLES,
         "DctClutchControl": {"paper", "dry7"}}  # fmt: skip
 COMPONENTS = {"DctPlant": "plant", "DctObserver": "observer", "DctClutchControl": "control"}
 every_model = pytest.mark.parametrize("model", MODELS)

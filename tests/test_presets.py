@@ -20,7 +20,7 @@ MODELS = {"plant": "DctPlant", "observer": "DctObserver", "control": "DctClutchC
 
 @pytest.mark.parametrize("path", sorted(SETS.glob("*.ssv")), ids=lambda path: path.stem)
 def test_an_fmu_takes_every_value_of_a_parameter_file(path: Path) -> None:
-    component = path.stem.split("_")[1]
+    component = path.stem.split("_")[-1]
     values = parameters.read(path)
     fmu = Fmu(component, FMUS / f"{MODELS[component]}.fmu")
     try:

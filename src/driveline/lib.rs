@@ -13,6 +13,7 @@ pub mod observer;
 pub mod params;
 pub mod plant;
 mod presets;
+mod presets_fade;
 pub mod reduced;
 mod rung;
 mod shaft;

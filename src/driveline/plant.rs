@@ -73,7 +73,6 @@ use crate::coupling::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
 use crate::plant::block::Block;
 use crate::plant::friction::longest_varying;
-use crate::plant::late::Late;
 use crate::plant::matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
@@ -253,8 +252,7 @@ impl Plant {
                 }
                 let before = self.all_modes();
                 let after = propagators.h * f64::from(done) / f64::from(TICKS);
-                let late = block.late(p, systems, self, &event);
-                self.change_modes(p, ladders, &now, &rate, &event, &late);
+                self.change_modes(p, ladders, (&now, &rate), &event, &block);
                 report(after, before, self.all_modes());
                 (piece, events) = (done, events + 1);
             }
@@ -285,25 +283,6 @@ impl Plant {
         } = self.work;
         let stored = systems.stored_energy(&self.x) - self.stored_at_start;
         engine - stored - one - two - viscous - synchroniser - load - brake
-    }
-
-    /// Takes the modes that are consistent after `event`, and gears in; undoes what was done while it was `late`.
-    fn change_modes(
-        &mut self,
-        p: &Params,
-        ladders: &mut impl Ladders,
-        input: &Input,
-        rate: &InputRate,
-        event: &Event,
-        late: &Late,
-    ) {
-        if event.synchronised != [false; 2] {
-            self.put_in(p, event.synchronised, late.synchronised);
-        }
-        self.resolve_all(p, ladders, input, rate, event);
-        if event.is_of_clutches() {
-            self.slip_since(p, &ladders.of(p, self.coupling()).systems, input, late);
-        }
     }
 
     /// Takes the modes of meshes, brake and clutches that are consistent after `event`.

@@ -22,7 +22,7 @@ const DRY_7_UPPER: f64 = 3.227 / DRY_7_FINAL;
 
 /// Acceleration of an input shaft by its synchroniser [rad/s²].
 ///
-/// `assumed:` 160 rad/s, about an upshift by two gears at 2500 rpm, in 80 ms.
+/// `assumed:` 160 rad/s, about an upshift by two gears at 2500 rpm, in 80 ms; no source was found.
 const SYNCHRONISER_RATE: f64 = 2000.0;
 /// J_ct of [`Params::WET_6`] [kg·m²].
 const WET_6_SHAFTS: [f64; 2] = [0.0023 + 3.0 * 0.001, 0.0009 + 3.0 * 0.001];
@@ -68,10 +68,11 @@ impl Params {
     ///
     /// Arrangement of Volkswagen's 0AM (DQ200), self-study programme 390, p. 14: gears 1, 3, 5, 7 behind
     /// clutch 1, gears 2, 4, 6 and reverse behind clutch 2, gears 1-4 on output shaft 1, the others on
-    /// output shaft 2. `assumed:` ratios in the range of cars with it, not checked against a document
-    /// (3.765 2.273 1.531 1.122 1.176 0.951 0.795, reverse 4.17, final drives 4.438 and 3.227); here both
-    /// shafts have the final drive of output shaft 1, so the ratios of gears 5-7 and R are theirs times
-    /// 3.227/4.438.
+    /// output shaft 2. Ratios of the Škoda Superb III 1.8 TSI 132 kW with it (press kit of the IAA 2015, seen in a
+    /// public catalogue of gearboxes that quotes it): 3.765 2.273 1.531 1.133 1.176 0.956 0.795, final drives
+    /// 4.438 for gears 1-4 and 3.227 for 5-7. Here both shafts have the final drive of gears 1-4, so the ratios of
+    /// gears 5-7 are theirs times 3.227/4.438.
+    /// `assumed:` reverse, 4.17 with the final drive of gears 5-7: no source for its ratio was found.
     /// `assumed:` everything else, a compact car of 1320 kg: J_e, J_d, J_ct, J_o, vehicle, T_s, and r_c N as
     /// two surfaces at 97.5 mm; k_d, c_d, k_t, c_t, k_o, c_o, the maps and the road as in preset `paper`.
     pub const DRY_7: Self = Self {
@@ -81,7 +82,7 @@ impl Params {
         t_s: synchroniser(DRY_7_SHAFTS),
         i_t: [
             [3.765, 1.531, 1.176 * DRY_7_UPPER, 0.795 * DRY_7_UPPER],
-            [2.273, 1.122, 0.951 * DRY_7_UPPER, 0.0],
+            [2.273, 1.133, 0.956 * DRY_7_UPPER, 0.0],
         ],
         i_r: [0.0, 4.17 * DRY_7_UPPER],
         i_f: [DRY_7_FINAL, DRY_7_FINAL],

@@ -14,24 +14,41 @@ pub struct Preset {
     pub title: &'static str,
     /// Its numbers; their sources are in its documentation.
     pub params: Params,
+    /// Another preset that it differs from in what the plant alone knows: other models take that one.
+    pub of_plant: bool,
 }
 
 /// All presets; the first is the one every model starts with.
-pub const PRESETS: [Preset; 3] = [
+pub const PRESETS: [Preset; 5] = [
     Preset {
         name: "paper",
         title: "the paper's test bench, Table 1 and assumed values",
         params: Params::TABLE_1,
+        of_plant: false,
     },
     Preset {
         name: "wet6",
         title: "six gears, wet clutches, after mathworks/Simscape-Dual-Clutch",
         params: Params::WET_6,
+        of_plant: false,
     },
     Preset {
         name: "dry7",
         title: "seven gears, dry clutches, ratios of the 0AM (DQ200)",
         params: Params::DRY_7,
+        of_plant: false,
+    },
+    Preset {
+        name: "wet6_fade",
+        title: "wet6 whose friction follows slip and oil-cooled temperature",
+        params: Params::WET_6_FADE,
+        of_plant: true,
+    },
+    Preset {
+        name: "dry7_fade",
+        title: "dry7 whose friction follows slip and temperature",
+        params: Params::DRY_7_FADE,
+        of_plant: true,
     },
 ];
 

@@ -12,53 +12,57 @@
 //! Where two clutches have their events in the same tick, this is left out.
 
 use crate::Params;
+use crate::coupling::Ladders;
 use crate::plant::Plant;
 use crate::plant::block::{Block, torques};
-use crate::plant::matrices::{SPEEDS, State, Systems, Torques, synchroniser_row};
+use crate::plant::matrices::{SPEEDS, Systems, synchroniser_row};
 use crate::plant::mobility::Mobility;
 use crate::plant::modes::{Event, Guard, stuck_set};
-use crate::plant::ports::Input;
-
-/// How late an event was found at the end of a block, and how the plant moved then.
-pub(crate) struct Late {
-    /// Time since clutches broke away or their slip came to zero [s], shape (2); 0: it did not.
-    clutch: [f64; 2],
-    /// Time since shafts turned like the gears that they are synchronised to [s], shape (2).
-    pub(crate) synchronised: [f64; 2],
-    /// The end of the block.
-    x: State,
-    /// v there, shape (4).
-    torques: Torques,
-    /// x' with the modes of the block.
-    rate: State,
-}
+use crate::plant::ports::{Input, InputRate};
 
 impl Block {
-    /// How late `event` is found at the end of the block.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn late(&self, p: &Params, systems: &Systems, plant: &Plant, event: &Event) -> Late {
-        let (x, torques) = self.at(self.t);
+    /// How late events of `happened` are found at the end of the block [s], shape (2): of clutches, or of the
+    /// synchronisers of open ones.
+    ///
+    /// `plant`: with the modes of the block.
+    fn late(&self, p: &Params, systems: &Systems, plant: &Plant, happened: [bool; 2]) -> [f64; 2] {
         let guards = self.guards(p, systems, plant, self.t);
         let since = |guard: Guard| match guard.value < 0.0 && guard.rate < 0.0 {
             true => (guard.value / guard.rate).min(self.t),
             false => 0.0,
         };
-        let of = |happened: [bool; 2], i: usize| match happened[i] {
+        [0, 1].map(|i| match happened[i] {
             true => since(guards[i][0]).max(since(guards[i][1])),
             false => 0.0,
-        };
-        Late {
-            clutch: [0, 1].map(|i| of(event.broken, i) + of(event.reached, i)),
-            synchronised: [0, 1].map(|i| of(event.synchronised, i)),
-            x,
-            torques,
-            rate: systems.by_stuck[stuck_set(plant.modes)].derivative(&x, &torques),
-        }
+        })
     }
 }
 
 impl Plant {
+    /// Takes the modes that are consistent after `event` at the end of a block, and gears in; undoes what was done
+    /// while it was late.
+    pub(crate) fn change_modes(
+        &mut self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        (input, rate): (&Input, &InputRate),
+        event: &Event,
+        block: &Block,
+    ) {
+        let was = *self;
+        if event.synchronised != [false; 2] {
+            let systems = &ladders.of(p, was.coupling()).systems;
+            let late = block.late(p, systems, &was, event.synchronised);
+            self.put_in(p, event.synchronised, late);
+        }
+        self.resolve_all(p, ladders, input, rate, event);
+        let happened = [0, 1].map(|i| event.reached[i] || event.broken[i]);
+        let slips = |i: usize| happened[i] && self.modes[i].direction() != 0.0;
+        if event.is_of_clutches() && happened != [true; 2] && (slips(0) || slips(1)) {
+            self.slip_since(p, ladders, happened, block, &was);
+        }
+    }
+
     /// Takes back what synchronisers have done for the last `since` [s], shape (2).
     pub(crate) fn take_back(&mut self, p: &Params, mobility: &Mobility, since: [f64; 2]) {
         let (g, torque) = (p.g(self.gear), self.synchroniser_torque(p));
@@ -68,19 +72,28 @@ impl Plant {
         }
     }
 
-    /// Moves as if a clutch had slipped as it does now since its event; books the work with that of its friction.
-    pub(crate) fn slip_since(&mut self, p: &Params, systems: &Systems, input: &Input, late: &Late) {
-        let [one, two] = late.clutch;
-        let i = usize::from(two > 0.0);
-        if (one > 0.0) == (two > 0.0) || self.modes[i].direction() == 0.0 {
-            return;
-        }
+    /// Moves as if the clutch of `happened` had slipped as it does now since its event, before which the plant `was`
+    /// another; books the work with that of its friction.
+    #[cold]
+    #[inline(never)]
+    fn slip_since(
+        &mut self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        happened: [bool; 2],
+        block: &Block,
+        was: &Self,
+    ) {
+        let (x, mut v) = block.at(block.t);
+        let systems = &ladders.of(p, was.coupling()).systems;
+        let [one, two] = block.late(p, systems, was, happened);
+        let rate = systems.by_stuck[stuck_set(was.modes)].derivative(&x, &v);
+        let (factor, force) = (self.friction_factor(p), block.input_end.force);
+        v = self.with_synchronisers(p, torques(p, self.modes, factor, v[0], force, v[3]));
+        let systems = &ladders.of(p, self.coupling()).systems;
+        let change = systems.by_stuck[stuck_set(self.modes)].derivative(&x, &v) - rate;
         let before = systems.stored_energy(&self.x);
-        let (v, factor) = (late.torques, self.friction_factor(p));
-        let v = torques(p, self.modes, factor, v[0], input.force, v[3]);
-        let v = self.with_synchronisers(p, v);
-        let rate = systems.by_stuck[stuck_set(self.modes)].derivative(&late.x, &v);
-        self.x = late.x + (one + two) * (rate - late.rate);
-        self.work.friction[i] += before - systems.stored_energy(&self.x);
+        self.x = x + (one + two) * change;
+        self.work.friction[usize::from(happened[1])] += before - systems.stored_energy(&self.x);
     }
 }

@@ -2,6 +2,7 @@
 
 use dct_driveline::Params;
 use dct_driveline::integrate::Propagators;
+use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Output, Plant};
 use dct_driveline::thermal::Thermal;
 
@@ -135,4 +136,27 @@ fn a_clutch_starts_as_hot_as_it_is_said_to_be() {
     let y = plant.outputs(&p, &Propagators::new(&p, GEAR, 1e-3).systems, &LAUNCH);
     let friction = p.clutch[0].mu_k * 0.6 * LAUNCH.force[0] * p.clutch[0].r_c_n;
     assert!((y.t_c[0] - friction).abs() < 1e-9, "{}", y.t_c[0]);
+}
+
+/// What the source of its heat capacity says of an engagement: 30 to 35 K.
+#[test]
+fn a_launch_warms_the_dry_lining_of_the_preset_as_measured() {
+    let (p, force) = (Params::DRY_7_FADE, 2500.0);
+    let input = Input {
+        t_e: p.clutch[0].mu_k * p.clutch[0].r_c_n * force,
+        force: [force, 0.0],
+        gear: [1, 2],
+        ..Input::default()
+    };
+    let mut propagators = Propagators::new(&p, input.gear, 1e-3);
+    let mut plant = Plant::start(&p, &input, 157.0, 0.0);
+    let (mut hottest, mut steps) = (0.0_f64, 0);
+    while plant.modes[0] != Mode::Stuck && steps < 3000 {
+        plant.step(&p, &mut propagators, &input, &InputRate::default());
+        (hottest, steps) = (hottest.max(plant.temperature[0]), steps + 1);
+    }
+    let warmer = hottest - p.clutch[0].thermal.ambient;
+    println!("{warmer} K by {} J in {steps} ms", plant.work.friction[0]);
+    assert_eq!(plant.modes[0], Mode::Stuck);
+    assert!((30.0..35.0).contains(&warmer), "{warmer} K");
 }
