@@ -19,8 +19,8 @@
 //! | what the old modes do until an event is found | its lateness squared |
 //! | inputs held over a step while they change | h, not of this method: `InputRate` has their slopes |
 //!
-//! Newton's method finds the ramp of the load; it stops when the correction of ω_w is below 10⁻⁸ rad/s,
-//! whose square is what is left. Tests hold the result against an independent reference: speeds to 10⁻³ rad/s,
+//! Newton's method finds the ramp of the load, from the tangent at the start; it stops when the correction of ω_w
+//! is below 10⁻⁸ rad/s, whose square is what is left. Tests hold the result against an independent reference: speeds to 10⁻³ rad/s,
 //! torques to 10⁻² N·m away from ±2 ms of an event, events to 0.1 ms, and an order of 1.9 to 2.1.
 //!
 //! # Events
