@@ -16,7 +16,7 @@
 //! | friction over slip: a ramp as well | h² between the kinks of its curve |
 //! | force map with a moving actuator: straight to the force at the end of the step | h² between its points |
 //! | instants of events | at most a tick, h/4096, always late: 0.24 µs at 1 ms |
-//! | what the old modes do until an event is found | its lateness squared |
+//! | what the old modes do until an event is found | its lateness squared; of two clutches in the same tick, its lateness |
 //! | inputs held over a step while they change | h, not of this method: `InputRate` has their slopes |
 //!
 //! Newton's method finds the ramp of the load, from the tangent at the start; it stops when the correction of ω_w
