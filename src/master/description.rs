@@ -4,6 +4,7 @@
 //! are; hence this reader of just what a master needs.
 
 use crate::known_units;
+use crate::suggest::did_you_mean;
 use crate::unit::Unit;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -125,6 +126,12 @@ impl Description {
     /// A variable by name.
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|variable| variable.name == name)
+    }
+
+    /// "does not exist", and the name that was probably meant.
+    pub fn lacks(&self, name: &str) -> String {
+        let known = self.variables.iter().map(|variable| variable.name.as_str());
+        format!("does not exist{}", did_you_mean(name, known))
     }
 
     /// Variables that pass `choose`: reals first, then integers, then booleans.

@@ -1,6 +1,7 @@
 //! Everything that can go wrong, as sentences that name the component, file or variable.
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 /// Why a run could not start or go on.
@@ -99,14 +100,20 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Usage(what) | Self::Coding(what) => write!(f, "{what}"),
-            Self::File { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::File { path, error } => write!(f, "{}: {}", path.display(), words(error)),
             Self::Content {
                 path,
                 line: 0,
                 what,
             } => write!(f, "{}: {what}", path.display()),
             Self::Content { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
-            Self::Load { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Load { path, error } => match error.as_ref() {
+                fmi::Error::Io(error) if error.kind() == ErrorKind::NotFound => {
+                    let (path, words) = (path.display(), words(error));
+                    write!(f, "{path}: {words} (--fmu-dir says where FMUs are)")
+                }
+                error => write!(f, "{}: {error}", path.display()),
+            },
             Self::Platform {
                 path,
                 library,
@@ -141,6 +148,15 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// What the operating system said, without its number.
+fn words(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error")
+        .next()
+        .unwrap_or_default()
+        .to_owned()
+}
 
 /// A time [s] as `dct-harness` writes it, so that both tell of a failure in the same words.
 #[derive(Debug, Clone, Copy)]

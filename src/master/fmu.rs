@@ -97,8 +97,9 @@ impl Fmu {
 
     fn set_start(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let full = format!("{}.{name}", self.name);
-        let variable = self.library.description().find(name);
-        let variable = variable.ok_or_else(|| Error::variable(&full, "does not exist"))?;
+        let description = self.library.description();
+        let variable = description.find(name);
+        let variable = variable.ok_or_else(|| Error::variable(&full, description.lacks(name)))?;
         let number = number(variable, value).map_err(|what| Error::variable(&full, what))?;
         let mut one = Signals::new([variable]);
         let done = one.set(&mut self.instance, &[number]);

@@ -63,6 +63,7 @@ mod signals;
 mod slopes;
 mod ssv;
 mod start;
+mod suggest;
 mod supplier;
 mod system;
 pub mod unit;

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::known_units;
 use crate::mapping::{Codes, Entries, Mapping, Told};
 use crate::plan::{Link, Value};
+use crate::suggest::did_you_mean;
 use crate::unit::Unit;
 
 /// A link, and the variables at its ends.
@@ -82,14 +83,22 @@ impl Linker<'_> {
             _ => "",
         };
         let section = side.name();
-        let what = format!("{section}s: DctPlant has no {section} '{missing}'{own}");
+        let same = self.contract.variables.iter();
+        let same = same.filter(|variable| side.is(variable.causality));
+        let hint = did_you_mean(missing, same.map(|variable| variable.name.as_str()));
+        let what = format!("{section}s: DctPlant has no {section} '{missing}'{hint}{own}");
         Err(self.mapping.error(what))
     }
 
     fn link(&self, name: &str, told: &Told, side: Side) -> Result<Linked, Error> {
         let error = |what: String| self.error(name, told, &what);
         let theirs = self.description.find(&told.variable);
-        let theirs = theirs.ok_or_else(|| error("the FMU has no such variable".into()))?;
+        let theirs = theirs.ok_or_else(|| {
+            let same = self.description.variables.iter();
+            let same = same.filter(|variable| side.is(variable.causality));
+            let hint = did_you_mean(&told.variable, same.map(|v| v.name.as_str()));
+            error(format!("the FMU has no such variable{hint}"))
+        })?;
         if !side.is(theirs.causality) {
             return Err(error(format!("is no {} of the FMU", side.name())));
         }
@@ -168,7 +177,8 @@ impl Linker<'_> {
         if !told.unit.is_empty() {
             return known_units::find(&told.unit).ok_or_else(|| {
                 let known: Vec<_> = known_units::names().filter(|n| !n.is_empty()).collect();
-                let what = format!("unknown unit '{}' ({})", told.unit, known.join(", "));
+                let hint = did_you_mean(&told.unit, known.iter().copied());
+                let what = format!("unknown unit '{}' ({}){hint}", told.unit, known.join(", "));
                 self.error(name, told, &what)
             });
         }

@@ -47,10 +47,10 @@ struct RunWords {
     /// System file (.toml).
     system: PathBuf,
     /// Communication step [s].
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     step: Option<f64>,
     /// End of the run [s].
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Scenario CSV instead of the file's.
     #[arg(long, value_name = "FILE")]
@@ -97,6 +97,12 @@ fn main() -> ExitCode {
             })
         }
     }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let known = text.parse().ok();
+    let usable = known.filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
+    usable.ok_or_else(|| "must be a number of seconds above 0".to_owned())
 }
 
 fn assignment(text: &str) -> Result<(String, String, Value), String> {

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::linker::{Linked, Linker, Side};
 use crate::mapping::Mapping;
 use crate::plan::{Mapped, Sum, Value};
+use crate::suggest::did_you_mean;
 
 /// Parameters and start values of a component, in the order in which they are set.
 pub type Values = Vec<(String, Value)>;
@@ -121,8 +122,10 @@ impl<'a> Supplier<'a> {
             return Ok((linked.link.theirs.clone(), value));
         }
         if self.theirs.find(name).is_none() {
+            let known = self.parameters.iter().map(|k| k.link.ours.as_str());
+            let hint = did_you_mean(name, known);
             return Err(self.mapping.error(format!(
-                "parameters: nothing stands for '{name}' of the system; map it, or list it in 'ignore'"
+                "parameters: nothing stands for '{name}' of the system; map it, or list it in 'ignore'{hint}"
             )));
         }
         Ok((name.to_owned(), value.clone()))

@@ -6,6 +6,7 @@ use crate::library::{Libraries, Library};
 use crate::mapping::Mapping;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
+use crate::suggest::did_you_mean;
 use crate::supplier::{Supplier, put};
 use crate::{ssv, wiring};
 use indexmap::IndexMap;
@@ -159,8 +160,9 @@ impl System {
     pub fn set(&mut self, component: &str, variable: &str, value: Value) -> Result<(), Error> {
         if !self.parts.iter().any(|(name, _)| name == component) {
             let known: Vec<&str> = self.parts.iter().map(|(name, _)| name.as_str()).collect();
+            let hint = did_you_mean(component, known.iter().copied());
             let known = known.join(", ");
-            let what = format!("--set {component}.{variable}: no such component ({known})");
+            let what = format!("--set {component}.{variable}: no such component ({known}){hint}");
             return Err(Error::Usage(what));
         }
         self.overrides

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::fmu;
 use crate::plan::{Component, Connection, Input};
 use crate::scenario::Scenario;
+use crate::suggest::did_you_mean;
 
 /// Gives every component its inputs; `connections` are those of the file.
 pub fn wire(
@@ -76,10 +77,14 @@ impl Wiring<'_> {
         for Connection { from, to, .. } in self.connections {
             let input = self.variable(to).is_some_and(|v| self.is_input(v));
             if !input {
-                return Err(Error::variable(to, "of [[connections]] is no input"));
+                let hint = self.hint(to, |variable| self.is_input(variable));
+                let what = format!("of [[connections]] is no input{hint}");
+                return Err(Error::variable(to, what));
             }
             if self.family(from).is_none() {
-                let what = "of [[connections]] is no output and no signal of the scenario";
+                let hint = self.hint(from, |variable| variable.causality == Causality::Output);
+                let what =
+                    format!("of [[connections]] is no output and no signal of the scenario{hint}");
                 return Err(Error::variable(from, what));
             }
             if self
@@ -93,6 +98,18 @@ impl Wiring<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The variable of any component that was probably meant.
+    fn hint(&self, name: &str, choose: impl Fn(&Variable) -> bool) -> String {
+        let all = self.components.iter().zip(self.descriptions);
+        let names: Vec<String> = all
+            .flat_map(|(component, description)| {
+                let chosen = description.variables.iter().filter(|v| choose(v));
+                chosen.map(|v| format!("{}.{}", component.name, v.name))
+            })
+            .collect();
+        did_you_mean(name, names.iter().map(String::as_str))
     }
 
     fn is_input(&self, variable: &Variable) -> bool {

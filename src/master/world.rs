@@ -3,6 +3,7 @@
 use crate::description::{Description, Variable};
 use crate::error::Error;
 use crate::plan::{Component, Plan};
+use crate::suggest::did_you_mean;
 use crate::{fmu, mapped};
 use std::collections::{HashMap, HashSet};
 
@@ -68,9 +69,10 @@ pub fn outputs<'a>(plan: &Plan, descriptions: &[&'a Description]) -> Result<Vec<
     let every = all.iter().flat_map(|read| read.names.iter().cloned());
     let known: HashSet<String> = scripted(plan).chain(every).collect();
     if let Some(missing) = record.iter().find(|name| !known.contains(*name)) {
+        let hint = did_you_mean(missing, known.iter().map(String::as_str));
         return Err(Error::variable(
             missing,
-            "of the recorded signals does not exist",
+            format!("of the recorded signals does not exist{hint}"),
         ));
     }
     let inputs = plan

@@ -119,14 +119,21 @@ fn a_mistake_is_told_with_its_exit_code() {
             "'plant.nothing' does not exist",
         ),
         (
-            vec!["run", &system, "--fmu-dir", &fmus, "--record", "plant.sped"],
+            vec![
+                "run",
+                &system,
+                "--fmu-dir",
+                &fmus,
+                "--record",
+                "plant.vehicle.sped",
+            ],
             2,
-            "'plant.sped' of the recorded signals does not exist",
+            "'plant.vehicle.sped' of the recorded signals does not exist; did you mean 'plant.vehicle.speed'?",
         ),
         (
             vec!["run", &system, "--fmu-dir", &fmus, "--set", "plnt.a=1"],
             2,
-            "no such component",
+            "no such component (plant, observer); did you mean 'plant'?",
         ),
         (
             vec![

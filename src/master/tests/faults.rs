@@ -119,7 +119,11 @@ fn an_unspoilt_loop_runs() {
 fn a_missing_fmu_is_named() {
     let place = Place::new();
     std::fs::remove_file(place.file("DctObserver.fmu")).unwrap();
-    place.check(3, "DctObserver.fmu: No such file", 0);
+    place.check(
+        3,
+        "DctObserver.fmu: No such file or directory (--fmu-dir says where FMUs are)",
+        0,
+    );
 }
 
 #[test]
@@ -154,7 +158,7 @@ fn a_connection_to_nothing_is_named() {
     place.append("loop.toml", text);
     place.check(
         2,
-        "'observer.engine.sped' of [[connections]] is no input",
+        "'observer.engine.sped' of [[connections]] is no input; did you mean 'observer.engine.speed'?",
         0,
     );
 }

@@ -73,80 +73,83 @@ fn a_mapped_plant_agrees_with_fmpy() {
     }
 }
 
+/// What in the mapping is replaced by what; the exit code, and what is told.
+const FAULTS: [(&str, &str, i32, &str); 12] = [
+    ("", "", 0, ""),
+    (
+        "mot.MInd",
+        "mot.Mind",
+        2,
+        "'engine.torque' = 'mot.Mind': the FMU has no such variable",
+    ),
+    (
+        "\"road.grade\" =",
+        "\"road.slope\" =",
+        2,
+        "inputs: DctPlant has no input 'road.slope'",
+    ),
+    (
+        "\"mot.n\" # 1/min",
+        "\"fzg.v\"",
+        2,
+        "'km/h' (m s-1) cannot become 'rad/s' (s-1 rad)",
+    ),
+    (
+        "variable = \"kuppl1.nDiff\"",
+        "variable = \"kuppl1.nDiff\", unit = \"rmp\"",
+        2,
+        "unknown unit 'rmp' (1, -",
+    ),
+    (
+        "slipping = \"schleift\"",
+        "slipping = \"rutscht\"",
+        2,
+        "has no item 'rutscht' (geschlossen",
+    ),
+    (
+        "slipping = \"schleift\"",
+        "slipping = \"offen\"",
+        2,
+        "gives one value of theirs two meanings",
+    ),
+    (
+        "derive = \"vehicle.speed\"",
+        "derive = \"engine.speed\"",
+        2,
+        "can be derived: \"wheel.speed\" from",
+    ),
+    (
+        "\"vehicle.mass\" = \"fzg.m\"\n",
+        "",
+        2,
+        "nothing stands for 'vehicle.mass' of the system; map it",
+    ),
+    (
+        "factor = -1, offset = 0.010",
+        "factor = -1, ofset = 0.010",
+        2,
+        "m.toml:10: needs a variable's name, { variable",
+    ),
+    (
+        "share = [\"observer\"",
+        "share = [\"obsrver\"",
+        2,
+        "has no component 'obsrver'",
+    ),
+    (
+        ", slipping = \"schleift\"",
+        "",
+        4,
+        "kuppl1.zustand = 1 is in no row of the table for 'clutch1.state' at t =",
+    ),
+];
+
 #[test]
 fn what_is_wrong_with_a_mapping_is_told() {
     let folder = built();
     let good = std::fs::read_to_string(mapping()).unwrap();
     let file = folder.path().join("m.toml");
-    for (before, after, code, said) in [
-        ("", "", 0, ""),
-        (
-            "mot.MInd",
-            "mot.Mind",
-            2,
-            "'engine.torque' = 'mot.Mind': the FMU has no such variable",
-        ),
-        (
-            "\"road.grade\" =",
-            "\"road.slope\" =",
-            2,
-            "inputs: DctPlant has no input 'road.slope'",
-        ),
-        (
-            "\"mot.n\" # 1/min",
-            "\"fzg.v\"",
-            2,
-            "'km/h' (m s-1) cannot become 'rad/s' (s-1 rad)",
-        ),
-        (
-            "variable = \"kuppl1.nDiff\"",
-            "variable = \"kuppl1.nDiff\", unit = \"rmp\"",
-            2,
-            "unknown unit 'rmp' (1, -",
-        ),
-        (
-            "slipping = \"schleift\"",
-            "slipping = \"rutscht\"",
-            2,
-            "has no item 'rutscht' (geschlossen",
-        ),
-        (
-            "slipping = \"schleift\"",
-            "slipping = \"offen\"",
-            2,
-            "gives one value of theirs two meanings",
-        ),
-        (
-            "derive = \"vehicle.speed\"",
-            "derive = \"engine.speed\"",
-            2,
-            "can be derived: \"wheel.speed\" from",
-        ),
-        (
-            "\"vehicle.mass\" = \"fzg.m\"\n",
-            "",
-            2,
-            "nothing stands for 'vehicle.mass' of the system; map it",
-        ),
-        (
-            "factor = -1, offset = 0.010",
-            "factor = -1, ofset = 0.010",
-            2,
-            "m.toml:10: needs a variable's name, { variable",
-        ),
-        (
-            "share = [\"observer\"",
-            "share = [\"obsrver\"",
-            2,
-            "has no component 'obsrver'",
-        ),
-        (
-            ", slipping = \"schleift\"",
-            "",
-            4,
-            "kuppl1.zustand = 1 is in no row of the table for 'clutch1.state' at t =",
-        ),
-    ] {
+    for (before, after, code, said) in FAULTS {
         let text = good.replacen(before, after, usize::from(!before.is_empty()));
         assert_eq!(text == good, before.is_empty(), "{before}");
         std::fs::write(&file, text).unwrap();

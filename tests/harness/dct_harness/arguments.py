@@ -79,13 +79,13 @@ def amount(text: str) -> float:
 
 def add_limits(parser: argparse.ArgumentParser) -> None:
     """Add what a foreign FMU may take."""
-    group = parser.add_argument_group(
-        "foreign FMUs", "An FMU that this project did not build runs in a process of its own."
-    )
+    told = ("An FMU that this project did not build runs in a process of its own;\n"
+            "with --engine native the whole loop does, in one.")  # fmt: skip
+    group = parser.add_argument_group("foreign FMUs", told)
     group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign",
                        help="which FMUs get a process (foreign)")  # fmt: skip
     group.add_argument("--call-timeout", type=seconds, default=Limits.seconds, metavar="SECONDS",
-                       help="longest time for one call (%(default)g)")  # fmt: skip
+                       help="longest time for a call, or for that loop (%(default)g)")  # fmt: skip
     group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
                        help="largest address space (%(default)g)")  # fmt: skip
 

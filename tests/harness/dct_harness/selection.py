@@ -24,8 +24,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of the run")
     parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
     parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
-    parser.add_argument("--map", type=Path, help="mapping file (.toml): names, units of that plant")
-    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), help="where FMUs are")
+    parser.add_argument(
+        "--map", type=Path, help="mapping file (.toml): names, units, codings of that plant"
+    )
+    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"),
+                        help="where FMUs are (%(default)s)")  # fmt: skip
     parser.add_argument("--parameters", nargs=2, action="append", default=[],
                         metavar=("COMPONENT", "FILE"),
                         help="values of a component from a parameter file (.ssv)")  # fmt: skip
