@@ -124,15 +124,15 @@ fn methods_hold_on_a_fading_friction_and_on_another_box() {
 /// A box whose clutches are moved by pressure, through three gears; nothing was tuned on it.
 ///
 /// The goals are 12/15/3.5 and 14/15/5 % (`paper`), 6.5/6.5/3 and 7/8/4 (`energy`), 3/3/1.5 and 4/4/2 (`kalman`),
-/// 4/4/2 (`calibrating`). `paper` and `lyapunov` miss them, T_o by a factor of 3 to 5, and `kalman` does for both clutches.
+/// 4/4/2 (`calibrating`). `paper` and `lyapunov` miss them, T_o by a factor of 2 to 3.5; the others keep them.
 #[test]
 fn pressures_are_followed_through_three_gears() {
     let limits = [
-        (Method::Paper, [19.0, 15.0, 13.0], [30.0, 26.0, 26.0]),
-        (Method::Lyapunov, [18.0, 15.0, 12.0], [28.0, 16.0, 17.0]),
+        (Method::Paper, [17.0, 15.0, 11.5], [15.5, 25.0, 18.0]),
+        (Method::Lyapunov, [13.0, 11.0, 8.0], [20.0, 13.0, 11.0]),
         (Method::Energy, [6.5, 6.5, 3.0], [7.0, 8.0, 4.0]),
-        (Method::Kalman, [5.0, 4.0, 1.5], [8.0, 6.5, 2.0]),
-        (Method::Calibrating, [4.0, 4.0, 2.0], [4.0, 4.0, 2.1]),
+        (Method::Kalman, [3.0, 3.0, 1.5], [4.0, 4.0, 2.0]),
+        (Method::Calibrating, [4.0, 4.0, 2.0], [4.0, 4.0, 2.0]),
     ];
     for h in [1e-3, 1e-2] {
         let drive = wet::wet_6().drive(h);
