@@ -40,11 +40,11 @@ fn run(
 
 /// Limits [% of RMS], T_c1/T_c2/T_o, of 4096 ticks and of 1024.
 const LIMITS: [(Method, [[f64; 3]; 2]); 5] = [
-    (Method::Paper, [[10.0, 5.0, 3.5], [15.0, 10.0, 4.5]]),
+    (Method::Paper, [[9.0, 5.0, 2.8], [15.0, 10.0, 4.5]]),
     (Method::Lyapunov, [[12.0, 6.0, 4.0], [20.0, 14.0, 5.5]]),
     (Method::Energy, [[2.5, 3.0, 3.0], [4.5, 4.5, 4.0]]),
-    (Method::Kalman, [[6.0, 6.0, 3.0], [9.0, 10.0, 3.5]]),
-    (Method::Calibrating, [[6.0, 6.0, 3.0], [9.0, 9.0, 4.5]]),
+    (Method::Kalman, [[3.5, 2.6, 1.6], [5.0, 4.5, 2.7]]),
+    (Method::Calibrating, [[3.9, 3.0, 2.2], [6.0, 4.5, 3.4]]),
 ];
 
 /// With the ticks of 1024 not known every method misses T_c1 by more than 40 %.
