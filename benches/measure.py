@@ -84,6 +84,22 @@ def plant() -> tuple[str, str, Path]:
     return words, f"{words};{reference[RIGID]}", library
 
 
+def small_library() -> Path:
+    """Unpack the library that `cargo fmu build --small` made.
+
+    Raises
+    ------
+    SystemExit
+        When it did not, with the command.
+    """
+    fmu = ROOT / "target" / "small" / "DctPlant.fmu"
+    if not fmu.exists():
+        build = f"cargo fmu build --small DctPlant --out {fmu.parent.relative_to(ROOT)}"
+        raise SystemExit(f"{fmu} is missing; to build it: {build}")
+    with zipfile.ZipFile(fmu) as archive:
+        return Path(archive.extract("binaries/linux64/DctPlant.so", fmu.parent))
+
+
 def write_inputs(h: float, stop: float) -> Path:
     """Sample the paper's scenario at the start of every step of `h` up to `stop` [s]."""
     table = np.genfromtxt(SCENARIO, delimiter=",", names=True, deletechars="")

@@ -75,6 +75,8 @@ pub enum Error {
         /// The package.
         package: String,
     },
+    /// No compiler has the sources of its standard library.
+    NoSources,
     /// `cargo build` succeeded without making a dynamic library.
     NoLibrary {
         /// The package.
@@ -186,6 +188,11 @@ impl fmt::Display for Error {
             Self::Write(source) => write!(f, "modelDescription.xml cannot be written: {source}"),
             Self::Parse(source) => write!(f, "modelDescription.xml cannot be read: {source}"),
             Self::Cargo { package } => write!(f, "`cargo build --package {package}` failed"),
+            Self::NoSources => write!(
+                f,
+                "a small library needs the sources of the standard library, which neither rustc nor /usr/bin/rustc has; \
+                 `rustup component add rust-src` brings them, on Debian `apt-get install cargo-web rust-web-src`"
+            ),
             Self::NoLibrary { package } => {
                 write!(
                     f,

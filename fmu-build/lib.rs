@@ -14,6 +14,7 @@ pub mod about;
 mod archive;
 pub mod binary;
 mod check;
+mod compiler;
 mod content;
 mod description;
 mod drive;

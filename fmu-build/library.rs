@@ -1,9 +1,10 @@
 //! The dynamic library of an FMU: built by cargo, found through cargo's own messages.
 
+use crate::compiler::{Compiler, build_small_std};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::{env, fs};
 
 /// Folder of the workspace.
@@ -47,6 +48,8 @@ pub struct Target {
     /// Folder of `binaries/`.
     pub platform: &'static str,
     extension: &'static str,
+    /// With a standard library of its own.
+    small: bool,
 }
 
 impl Target {
@@ -61,6 +64,7 @@ impl Target {
             glibc: None,
             platform,
             extension,
+            small: false,
         })
     }
 
@@ -81,7 +85,16 @@ impl Target {
             glibc,
             platform,
             extension,
+            small: false,
         })
+    }
+
+    /// The same with a library of some two thirds the size: its standard library is built along, without what
+    /// prints where a panic came from. The compiler needs the sources of the standard library for that.
+    #[must_use]
+    pub fn small(mut self) -> Self {
+        self.small = true;
+        self
     }
 
     /// Name of a library in the FMU.
@@ -89,16 +102,25 @@ impl Target {
         format!("binaries/{}/{model}.{}", self.platform, self.extension)
     }
 
-    /// `build`, or `zigbuild` of cargo-zigbuild, with the target.
-    fn words(&self) -> Vec<String> {
-        let Some(triple) = &self.triple else {
+    /// `build`, or `zigbuild` of cargo-zigbuild, with the target. A standard library is built for a named one only.
+    fn words(&self, compiler: &Compiler) -> Vec<String> {
+        let here = || compiler.host().filter(|_| self.small);
+        let Some(triple) = self.triple.clone().or_else(here) else {
             return vec!["build".into()];
         };
         let (verb, target) = match &self.glibc {
             Some(version) => ("zigbuild", format!("{triple}.{version}")),
-            None => ("build", triple.clone()),
+            None => ("build", triple),
         };
         vec![verb.into(), "--target".into(), target]
+    }
+
+    fn compiler(&self) -> Result<Compiler> {
+        if self.small {
+            Compiler::with_sources()
+        } else {
+            Ok(Compiler::present())
+        }
     }
 }
 
@@ -110,14 +132,17 @@ impl Target {
 /// # Errors
 /// When cargo fails or the package makes no dynamic library.
 pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec<u8>> {
-    let output = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(target.words())
+    let compiler = target.compiler()?;
+    let flags = flags(folder, target, &compiler).join("\u{1f}");
+    let mut command = compiler.command();
+    if target.small {
+        build_small_std(&mut command);
+    }
+    let output = command
+        .args(target.words(&compiler))
         .args(["--release", "--locked", "--package", package])
         .arg("--message-format=json-render-diagnostics")
-        .env(
-            "CARGO_ENCODED_RUSTFLAGS",
-            flags(folder, target).join("\u{1f}"),
-        )
+        .env("CARGO_ENCODED_RUSTFLAGS", flags)
         .current_dir(folder)
         .stderr(Stdio::inherit())
         .output()
@@ -138,12 +163,13 @@ pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec
 }
 
 /// Compiler flags of FMU libraries.
-fn flags(folder: &Path, target: &Target) -> Vec<String> {
+fn flags(folder: &Path, target: &Target, compiler: &Compiler) -> Vec<String> {
     let mut flags = vec![remap(folder, "model"), remap(workspace(), "dct")];
-    flags.extend(root(folder).map(|root| remap(&root, "dct")));
+    flags.extend(root(folder, compiler).map(|root| remap(&root, "dct")));
     flags.extend(cargo_home().map(|home| remap(&home, "cargo")));
     // A standard library that is built here names its sources, too; others say /rustc already.
-    flags.extend(rust_sources().map(|sources| remap(&sources, "/rustc")));
+    let sources = compiler.sources();
+    flags.extend(sources.map(|sources| remap(&sources, "/rustc")));
     if target.extension == "so" {
         // Name libm where it is used: importers other than Python may not have it loaded.
         flags.push("-Clink-arg=-lm".into());
@@ -152,8 +178,9 @@ fn flags(folder: &Path, target: &Target) -> Vec<String> {
 }
 
 /// Folder of the workspace that `folder` is in: another than ours for a package of one's own.
-fn root(folder: &Path) -> Option<PathBuf> {
-    let printed = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+fn root(folder: &Path, compiler: &Compiler) -> Option<PathBuf> {
+    let printed = compiler
+        .command()
         .args(["locate-project", "--workspace", "--message-format=plain"])
         .current_dir(folder)
         .output()
@@ -169,17 +196,6 @@ fn remap(from: &Path, to: &str) -> String {
 fn cargo_home() -> Option<PathBuf> {
     let given = env::var_os("CARGO_HOME").map(PathBuf::from);
     given.or_else(|| env::home_dir().map(|home| home.join(".cargo")))
-}
-
-/// Where the compiler looks for the sources of the standard library.
-fn rust_sources() -> Option<PathBuf> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let printed = Command::new(rustc)
-        .args(["--print", "sysroot"])
-        .output()
-        .ok()?;
-    let sysroot = String::from_utf8(printed.stdout).ok()?;
-    Some(Path::new(sysroot.trim()).join("lib/rustlib/src/rust"))
 }
 
 /// One of cargo's messages; only those about artifacts have these fields.
@@ -251,7 +267,7 @@ mod tests {
         ] {
             let target = Target::parse(text).unwrap();
             assert_eq!(target.platform, folder);
-            assert_eq!(target.words(), [verb, "--target", text]);
+            assert_eq!(target.words(&Compiler::present()), [verb, "--target", text]);
         }
         let error = Target::parse("riscv64gc-unknown-linux-gnu").unwrap_err();
         assert!(error.to_string().contains("riscv64gc linux"), "{error}");

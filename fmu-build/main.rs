@@ -22,6 +22,7 @@ use std::time::Duration;
   cargo fmu describe                       after a change in src/models
   cargo fmu describe --check               fail when modelDescription/ is out of date
   cargo fmu build --target x86_64-unknown-linux-gnu.2.17
+  cargo fmu build --small                  libraries of two thirds the size
   cargo fmu merge linux.fmu windows.fmu --out both.fmu
   cargo fmu ssp                            the closed loop as one file, for tools that read SSP
   cargo fmu check target/fmu/DctPlant.fmu  what an importer would stumble over"
@@ -44,6 +45,8 @@ may need.";
 const BUILD: &str = "\
 A target is one of rustc's, e.g. x86_64-pc-windows-gnullvm. One for Linux may have the oldest glibc behind it,
 x86_64-unknown-linux-gnu.2.17: then cargo-zigbuild links it. Repeated, all go into one FMU.
+A small library computes the same bits. Its first build takes a minute longer: the standard library is built, too,
+without what would print where a panic came from, which an FMU keeps quiet about anyway.
 Two builds of the same sources give the same bytes.";
 
 #[derive(Subcommand)]
@@ -66,6 +69,9 @@ enum Command {
         /// What to build for [default: this machine].
         #[arg(long = "target", value_name = "T")]
         targets: Vec<String>,
+        /// Smaller libraries: build the standard library along, which takes its sources (rust-src).
+        #[arg(long)]
+        small: bool,
     },
     /// Join FMUs of one model for several platforms.
     #[command(after_help = "Their descriptions must be the same, GUID included.")]
@@ -166,7 +172,8 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
             models,
             out,
             targets,
-        } => build(&models, out, &targets)?,
+            small,
+        } => build(&models, out, &targets, small)?,
         Command::Merge { one, others, out } => {
             let path = out.unwrap_or_else(|| one.clone());
             let all: Vec<_> = std::iter::once(one).chain(others).collect();
@@ -219,15 +226,19 @@ fn build(
     models: &[String],
     out: Option<PathBuf>,
     targets: &[String],
+    small: bool,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let out = folder(out);
-    let targets = match targets {
+    let mut targets = match targets {
         [] => vec![Target::host()?],
         some => some
             .iter()
             .map(|t| Target::parse(t))
-            .collect::<Result<_, _>>()?,
+            .collect::<Result<Vec<_>, _>>()?,
     };
+    if small {
+        targets = targets.into_iter().map(Target::small).collect();
+    }
     for entry in fmu_build::models::select(models)? {
         print_paths(&[fmu_build::build_for(entry, &targets, &out)?])?;
     }
@@ -307,7 +318,7 @@ mod tests {
             .lines()
             .filter_map(|line| line.trim().strip_prefix("cargo fmu "));
         let examples: Vec<_> = examples.collect();
-        assert_eq!(examples.len(), 8);
+        assert_eq!(examples.len(), 9);
         for example in examples {
             let words = example.split("  ").next().unwrap().split(' ');
             let parsed = Arguments::try_parse_from(std::iter::once("fmu-build").chain(words));

@@ -60,10 +60,28 @@ def library(model: str) -> Library:
     return _probe() if model == PROBE else _unpacked(model)
 
 
+@cache
+def small(model: str) -> Library:
+    """Return it as `cargo fmu build --small` builds it."""
+    folder = ROOT / "target" / "small"
+    folder.mkdir(parents=True, exist_ok=True)
+    ours = library(model)
+    if model == PROBE:
+        path = folder / "libabi_probe.so"
+        _example("small", path)
+        return ours._replace(path=path)
+    build = ["cargo", "fmu", "build", "--small", model, "--out", folder]
+    subprocess.run(build, cwd=ROOT, check=True)
+    return ours._replace(path=_extracted(folder / f"{model}.fmu", folder))
+
+
+def _extracted(path: Path, folder: Path) -> Path:
+    with zipfile.ZipFile(path) as archive:
+        return Path(archive.extract(f"binaries/linux64/{path.stem}.so", folder))
+
+
 def _unpacked(model: str) -> Library:
-    member = f"binaries/linux64/{model}.so"
-    with zipfile.ZipFile(fmu(model)) as archive:
-        path = Path(archive.extract(member, BUILT))
+    path = _extracted(fmu(model), BUILT)
     description = fmpy.read_model_description(str(fmu(model)))
     known = {v.name: v.valueReference for v in description.modelVariables}
     *names, value = VARIABLES[model]
@@ -71,12 +89,16 @@ def _unpacked(model: str) -> Library:
 
 
 def _probe() -> Library:
-    build = ["cargo", "build", "--quiet", "--release", "-p", "abi-probe", "--lib", "--examples"]
+    build = ["cargo", "build", "--quiet", "--release", "-p", "abi-probe", "--lib"]
     subprocess.run(build, cwd=ROOT, check=True)
     folder = ROOT / "target" / "release"
-    said = subprocess.run([folder / "examples" / "guid"], capture_output=True, check=True)
     path = folder / "libabi_probe.so"
-    return Library(path, said.stdout.decode().strip(), "u", (0, 1, 2), 3.0)
+    return Library(path, _example("guid").strip(), "u", (0, 1, 2), 3.0)
+
+
+def _example(name: str, *words: str | Path) -> str:
+    run = ["cargo", "run", "--quiet", "-p", "abi-probe", "--example", name, "--", *words]
+    return subprocess.run(run, cwd=ROOT, capture_output=True, check=True, text=True).stdout
 
 
 @cache
@@ -126,6 +148,11 @@ def test_a_panic_is_fatal_and_silent() -> None:
     _run(PROBE, "panics")
 
 
+def test_a_panic_in_a_small_library_is_fatal_and_silent() -> None:
+    assert small(PROBE).path.read_bytes() != library(PROBE).path.read_bytes()
+    _run(PROBE, "panics", build=small(PROBE))
+
+
 @every_library
 def test_lives_leave_nothing_behind(model: str) -> None:
     _run(model, "cycles", str(CYCLES[model]))
@@ -168,6 +195,15 @@ def test_a_saved_state_resumes_in_another_build_with_the_same_bits(
     assert other.path.read_bytes() != released.path.read_bytes()
     _run(model, "save", tmp_path / "state")
     _run(model, "resume", tmp_path / "state", build=other)
+
+
+@pytest.mark.parametrize("model", [PROBE, "DctPlant"])
+def test_a_saved_state_resumes_in_a_small_library_with_the_same_bits(
+    model: str, tmp_path: Path
+) -> None:
+    assert small(model).path.stat().st_size < 0.7 * library(model).path.stat().st_size
+    _run(model, "save", tmp_path / "state")
+    _run(model, "resume", tmp_path / "state", build=small(model))
 
 
 @every_library

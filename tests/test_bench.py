@@ -21,6 +21,7 @@ EXACT = (
     "heap calls in new step sizes",
     "heap of an instance",
     "heap of a parameter set",
+    "library, stripped (--small)",
 )
 
 

@@ -20,9 +20,10 @@ pub fn steps(project: &Project, flags: &[&str]) -> Vec<Step> {
     let mut measure = project.venv("python", &["benches/run.py"]);
     measure.args(flags);
     vec![
-        project.system_packages(&[Package::Tbb, Package::Valgrind]),
+        project.system_packages(&[Package::Tbb, Package::Valgrind, Package::AnyRustSource]),
         project.python_packages(),
         project.fmus(),
+        project.small_fmu(),
         native::module(project),
         native::repeat(project),
         Step::commands("measure", vec![measure]),

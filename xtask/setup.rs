@@ -30,8 +30,10 @@ pub enum Package {
     Qemu,
     /// The C library of ARM, for the programs that qemu runs.
     Arm,
-    /// A compiler with the sources of its standard library.
+    /// A compiler with the sources of its standard library: Debian's.
     RustSource,
+    /// The same, or the sources for the compiler at hand.
+    AnyRustSource,
 }
 
 impl Package {
@@ -45,7 +47,7 @@ impl Package {
             Self::Wine => "wine64 wine",
             Self::Qemu => "qemu-user",
             Self::Arm => "libc6-arm64-cross",
-            Self::RustSource => "rustc-web cargo-web rust-web-src",
+            Self::RustSource | Self::AnyRustSource => "rustc-web cargo-web rust-web-src",
         }
     }
 
@@ -60,10 +62,8 @@ impl Package {
             Self::Wine => starts(&"wine"),
             Self::Qemu => starts(&"qemu-aarch64"),
             Self::Arm => Path::new("/usr/aarch64-linux-gnu/lib/libc.so.6").exists(),
-            Self::RustSource => {
-                let sources = "/usr/lib/rustlib/src/rust/library/std/Cargo.toml";
-                Path::new(sources).exists() && starts(&"/usr/bin/cargo")
-            }
+            Self::RustSource => has_sources("/usr/bin/rustc") && starts(&"/usr/bin/cargo"),
+            Self::AnyRustSource => has_sources("rustc") || Self::RustSource.is_present(),
             Self::Venv => python().is_ok_and(|python| {
                 succeeds(Command::new(python).args(["-c", "import ensurepip, venv"]))
             }),
@@ -76,6 +76,14 @@ pub fn printed(mut command: Command) -> Option<String> {
     let done = command.output().ok().filter(|done| done.status.success())?;
     let text = String::from_utf8_lossy(&done.stdout).trim().to_owned();
     (!text.is_empty()).then_some(text)
+}
+
+/// Whether a compiler finds the sources of its standard library.
+fn has_sources(rustc: &str) -> bool {
+    let mut command = Command::new(rustc);
+    command.args(["--print", "sysroot"]);
+    let library = "lib/rustlib/src/rust/library/std/Cargo.toml";
+    printed(command).is_some_and(|sysroot| Path::new(&sysroot).join(library).exists())
 }
 
 fn starts(program: &&str) -> bool {
@@ -153,6 +161,22 @@ impl Project {
     /// The FMUs into `target/fmu`.
     pub fn fmus(&self) -> Step {
         Step::commands("FMUs into target/fmu", vec![self.cargo(&["fmu", "build"])])
+    }
+
+    /// The plant with a small library into `target/small`.
+    pub fn small_fmu(&self) -> Step {
+        let words = [
+            "fmu",
+            "build",
+            "--small",
+            "DctPlant",
+            "--out",
+            "target/small",
+        ];
+        Step::commands(
+            "a small DctPlant.fmu into target/small",
+            vec![self.cargo(&words)],
+        )
     }
 }
 

@@ -21,7 +21,12 @@ const FUZZ_SECONDS: u32 = 60;
 /// The steps of `cargo xtask test`.
 pub fn steps(project: &Project) -> Vec<Step> {
     let mut steps = vec![
-        project.system_packages(&[Package::Chromium, Package::Tbb, Package::Valgrind]),
+        project.system_packages(&[
+            Package::Chromium,
+            Package::Tbb,
+            Package::Valgrind,
+            Package::AnyRustSource,
+        ]),
         project.python_packages(),
         Step::commands("formatters: rustfmt, ruff", formatters(project)),
         Step::commands("linter: ruff", vec![project.venv("ruff", &["check"])]),
@@ -34,6 +39,7 @@ pub fn steps(project: &Project) -> Vec<Step> {
         Step::commands("Rust docs without warnings", vec![docs(project)]),
         packages::step(project),
         project.fmus(),
+        project.small_fmu(),
         native::checks(
             project,
             clippy(project, &["--manifest-path", MASTER, "--workspace"]),

@@ -115,31 +115,51 @@ const SOURCES: [&str; 8] = [
     "tests/abi",
 ];
 
-#[test]
-fn the_same_sources_in_another_folder_give_the_same_library() {
-    let folder = Folder::new("a-folder-with-another-name");
+/// Builds the plant in a copy of the workspace and here; both have to be the same, and say nothing of the copy.
+fn same_in_another_folder(name: &str, target: &library::Target) {
+    let folder = Folder::new(name);
     for name in SOURCES {
         copy(&library::workspace().join(name), &folder.0.join(name));
     }
-    let host = library::Target::host().unwrap();
     let copied: &str = folder.0.to_str().unwrap().to_owned().leak();
     let elsewhere = Entry::of::<Plant>("dct-plant")
         .at(copied)
-        .library(&host)
+        .library(target)
         .unwrap();
-    assert!(
-        folder.0.join("target/release").is_dir(),
-        "it was built there"
-    );
-    let here = Entry::of::<Plant>("dct-plant").library(&host).unwrap();
+    assert!(folder.0.join("target").is_dir(), "it was built there");
+    let here = Entry::of::<Plant>("dct-plant").library(target).unwrap();
     assert!(
         here == elsewhere,
         "{} and {} bytes differ",
         here.len(),
         elsewhere.len()
     );
-    let path = copied.as_bytes();
-    assert!(!here.windows(path.len()).any(|part| part == path));
+    assert!(!holds(&here, copied));
+}
+
+#[test]
+fn the_same_sources_in_another_folder_give_the_same_library() {
+    same_in_another_folder("another-name", &library::Target::host().unwrap());
+}
+
+#[test]
+fn the_same_sources_in_another_folder_give_the_same_small_library() {
+    let small = library::Target::host().unwrap().small();
+    same_in_another_folder("another-name-of-a-small-one", &small);
+}
+
+#[test]
+fn a_check_finds_nothing_in_a_small_fmu() {
+    let folder = Folder::new("small");
+    let small = library::Target::host().unwrap().small();
+    let path = fmu_build::build_for(&MODELS[0], &[small], &folder.0).unwrap();
+    let report = fmu_build::check(&path).unwrap();
+    assert!(report.is_valid(), "{:?}", report.findings);
+    assert!(
+        report.findings.iter().all(is_of_this_machine),
+        "{:?}",
+        report.findings
+    );
 }
 
 #[test]
