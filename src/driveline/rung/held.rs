@@ -79,7 +79,9 @@ impl<const N: usize> Held<N> {
         }
         if self.sliding {
             for (column, z) in rung.columns[CLUTCHES..].iter().zip(&z[CLUTCHES..SHAFTS]) {
-                add(&mut rows, column, *z);
+                if *z != 0.0 {
+                    add(&mut rows, column, *z);
+                }
             }
         }
         let (engine, wheels) = (x[E] * rung.t, x[W] * rung.t);

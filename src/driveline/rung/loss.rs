@@ -80,7 +80,9 @@ impl Loss {
         }
         if sliding {
             for (column, z) in self.clutches.iter().zip(&z[CLUTCHES..SHAFTS]) {
-                add(&mut sum, column, *z);
+                if *z != 0.0 {
+                    add(&mut sum, column, *z);
+                }
             }
         }
         let loss = dot(&sum, z);
