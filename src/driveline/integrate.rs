@@ -111,7 +111,7 @@ impl Propagators {
     /// Same arguments as [`Self::new`].
     pub fn rebuild(&mut self, p: &Params, coupling: impl Into<Coupling>, h: f64) {
         self.h = h;
-        self.connect(p, coupling.into());
+        self.systems.connect(p, coupling.into());
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
             if self.systems.coupling.engageable(set) == set {
                 fill_ladder(rungs, &self.systems, set, self.h);
@@ -120,11 +120,6 @@ impl Propagators {
                     [0, 1].map(|i| Watch::new(&rungs[LADDER], rows, i, set >> i & 1 == 1));
             }
         }
-    }
-
-    #[inline(never)] // its stack is free again when the rungs need theirs
-    fn connect(&mut self, p: &Params, coupling: Coupling) {
-        self.systems = Systems::new(p, coupling);
     }
 
     /// Whether they serve a step of `h` [s] with this coupling; within 1e-9 relative they do.
@@ -163,13 +158,26 @@ fn fill_ladder(rungs: &mut [Rung; LADDER + 1], systems: &Systems, set: usize, h:
         t *= 0.5;
         below += 1;
     }
-    let (mut one, mut other) = (Builder::ZERO, Builder::ZERO);
-    let (mut rung, mut twice) = (&mut one, &mut other);
+    let mut first = Builder::ZERO;
     let active = Active::new(system, set);
-    rung.base(systems, set, &active, t, norm * t);
+    first.base(systems, set, &active, t, norm * t);
+    climb(rungs, &mut first, below, systems, &active);
+}
+
+/// Fills a ladder from its base, which lies `below` doublings under the lowest rung.
+#[inline(never)] // the base needs the stack that the second builder takes here
+fn climb(
+    rungs: &mut [Rung; LADDER + 1],
+    base: &mut Builder,
+    below: usize,
+    systems: &Systems,
+    active: &Active,
+) {
+    let mut other = Builder::ZERO;
+    let (mut rung, mut twice) = (base, &mut other);
     for (level, place) in rungs.iter_mut().enumerate() {
         for _ in 0..if level == 0 { below } else { DOUBLINGS } {
-            twice.double(rung, systems, &active);
+            twice.double(rung, systems, active);
             core::mem::swap(&mut rung, &mut twice);
         }
         place.take(rung, systems);

@@ -111,6 +111,15 @@ impl Reporter {
 }
 
 impl<M: Model> Component<M> {
+    #[inline(never)] // a model on the caller's stack, for no longer than it takes to make it
+    fn boxed(reporter: Reporter) -> Box<Self> {
+        Box::new(Self {
+            instance: Instance::default(),
+            reporter,
+            poisoned: false,
+        })
+    }
+
     #[cold]
     #[inline(never)]
     fn refuse(&self, call: Call, error: &Error) -> Status {
@@ -289,12 +298,7 @@ impl<M: Model> Library<M> {
                 return null_mut();
             }
             reporter.filter = Filter::all(logging_on);
-            let component = Component {
-                instance: Instance::default(),
-                reporter,
-                poisoned: false,
-            };
-            handed_out(self.instances.insert(Box::new(component)))
+            handed_out(self.instances.insert(Component::boxed(reporter)))
         }));
         made.unwrap_or_else(|payload| {
             core::mem::forget(payload);

@@ -134,34 +134,38 @@ pub fn slip(x: &State) -> [f64; 2] {
 impl Systems {
     /// Matrices of the driveline with what is connected; two gears stand for turning wheels.
     pub fn new(p: &Params, coupling: impl Into<Coupling>) -> Self {
-        let coupling = coupling.into();
+        let mut systems = Self::EMPTY;
+        systems.connect(p, coupling.into());
+        systems
+    }
+
+    /// Turns these into those of another coupling, in place: a caller's stack may have no room for two.
+    #[inline(never)] // what it takes of the stack is free again after it
+    pub(crate) fn connect(&mut self, p: &Params, coupling: Coupling) {
         let springs = springs(p, coupling);
-        let synchroniser_ratio = synchroniser_ratio(p, coupling);
-        let (g, j_ct) = (p.g(coupling.gear_in()), p.j_ct_in(coupling.gear_in()));
-        let engaged = |open: &Open, set| {
-            let rows = |system: &System| Rows::new(system, g, j_ct);
-            engaged_driveline(open, coupling.engageable(set), rows)
-        };
-        let open_as =
-            |coupling| open_driveline(&springs, mobility(p, coupling), synchroniser_ratio);
-        let open = open_as(coupling);
-        let tied = coupling.tied(p).map(open_as);
-        Self {
-            coupling,
-            rigid_ratio: rigid_ratio(p, coupling),
-            ratio: g,
-            synchroniser_ratio,
-            by_stuck: [
-                engaged(&open, 0),
-                engaged(&open, 1),
-                engaged(&open, 2),
-                engaged(tied.as_ref().unwrap_or(&open), 3),
-            ],
-            spring_torque: spring_torque(&springs),
-            viscous: viscous(&springs),
-            mesh_loss: p.mesh_loss(coupling),
-            storage: storage(p, coupling, &springs),
+        self.coupling = coupling;
+        self.rigid_ratio = rigid_ratio(p, coupling);
+        self.ratio = p.g(coupling.gear_in());
+        self.synchroniser_ratio = synchroniser_ratio(p, coupling);
+        self.spring_torque = spring_torque(&springs);
+        self.viscous = viscous(&springs);
+        self.mesh_loss = p.mesh_loss(coupling);
+        self.storage = storage(p, coupling, &springs);
+        let open = open_driveline(&springs, mobility(p, coupling), self.synchroniser_ratio);
+        for set in 0..3 {
+            self.engage(p, &open, set);
         }
+        let tied = coupling.tied(p).map(|coupling| {
+            open_driveline(&springs, mobility(p, coupling), self.synchroniser_ratio)
+        });
+        self.engage(p, tied.as_ref().unwrap_or(&open), 3);
+    }
+
+    #[inline(never)]
+    fn engage(&mut self, p: &Params, open: &Open, set: usize) {
+        let (g, j_ct) = (self.ratio, p.j_ct_in(self.coupling.gear_in()));
+        let rows = |system: &System| Rows::new(system, g, j_ct);
+        self.by_stuck[set] = engaged_driveline(open, self.coupling.engageable(set), rows);
     }
 
     /// Whether gear meshes lose power, so that ω_o itself costs some.

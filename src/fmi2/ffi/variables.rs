@@ -286,11 +286,8 @@ impl<M: Model> Library<M> {
                 let direction = unsafe { slice("dvKnown", direction, inputs)? };
                 // SAFETY: the importer's promise.
                 let derivatives = unsafe { slice_mut("dvUnknown", derivatives, outputs)? };
-                let found = instance.directional_derivative(unknowns, knowns, direction, log)?;
-                for (to, from) in derivatives.iter_mut().zip(found) {
-                    *to = from;
-                }
-                Ok(())
+                let references = (unknowns, knowns);
+                instance.directional_derivative(references, direction, derivatives, log)
             },
         )
     }

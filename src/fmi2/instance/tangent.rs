@@ -19,17 +19,18 @@ fn reals<M: Model>(causality: Causality) -> impl Iterator<Item = &'static Row<M>
 impl<M: Model> Instance<M> {
     /// `fmi2GetDirectionalDerivative`: Σ ∂unknown/∂known · direction, per unknown.
     ///
-    /// `unknowns`: Real outputs. `knowns`: Real inputs; the others stay, and so does the state.
+    /// `unknowns`: Real outputs. `knowns`: Real inputs; the others stay, and so does the state. `direction`: one
+    /// number per known. `derivatives`: where the results go, one per unknown; untouched after an error.
     ///
     /// # Errors
     /// When the model has none, and for a reference that is no output or no input of type Real.
-    pub fn directional_derivative<'a>(
+    pub fn directional_derivative(
         &mut self,
-        unknowns: &'a [u32],
-        knowns: &'a [u32],
+        (unknowns, knowns): (&[u32], &[u32]),
         direction: &[f64],
+        derivatives: &mut [f64],
         log: &mut Log<'_>,
-    ) -> Result<impl Iterator<Item = f64> + use<'a, M>, Error> {
+    ) -> Result<(), Error> {
         self.permit(Call::GetDirectionalDerivative)?;
         if !provides_directional_derivatives::<M>() {
             return Err(Error::NotSupported("directional derivatives"));
@@ -44,12 +45,16 @@ impl<M: Model> Instance<M> {
         self.refresh(log)?;
         let mut seed = self.seed(knowns, direction);
         self.now.model.tangent(&mut seed);
-        Ok(unknowns
-            .iter()
-            .filter_map(move |&reference| derivative(&mut seed, reference, knowns)))
+        for (to, &reference) in derivatives.iter_mut().zip(unknowns) {
+            if let Some(found) = derivative(&mut seed, reference, knowns) {
+                *to = found;
+            }
+        }
+        Ok(())
     }
 
     /// The model with the direction in its Real inputs.
+    #[inline(never)] // one model on the caller's stack, not two
     fn seed(&self, knowns: &[u32], direction: &[f64]) -> M {
         let mut seed = self.now.model.clone();
         for field in reals::<M>(Causality::Input).filter_map(|row| f64::field(&row.access)) {
