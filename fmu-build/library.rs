@@ -173,6 +173,10 @@ fn flags(folder: &Path, target: &Target, compiler: &Compiler) -> Vec<String> {
     if target.extension == "so" {
         // Name libm where it is used: importers other than Python may not have it loaded.
         flags.push("-Clink-arg=-lm".into());
+        if target.small && target.glibc.is_none() {
+            // Segments close together in the file and not on pages of their own; zig's linker has no such word.
+            flags.push("-Clink-arg=-Wl,-z,noseparate-code".into());
+        }
     }
     flags
 }
