@@ -271,7 +271,7 @@ impl<M: Model> Importer<M> {
                         .take(few)
                         .for_each(|v| *v = script.real());
                     let values = self.reals.as_ptr();
-                    library.set::<f64, f64>(c, references, count, values, |value| value)
+                    library.set_reals(c, references, count, values)
                 }
             }
         }
@@ -283,12 +283,22 @@ impl<M: Model> Importer<M> {
         // SAFETY: as above.
         unsafe {
             match script.below(8) {
-                0 => library.get::<i32, c_int>(c, references, count, self.integers.as_mut_ptr()),
-                1 => library.get::<bool, c_int>(c, references, count, self.integers.as_mut_ptr()),
+                0 => library.get_others::<i32, c_int>(
+                    c,
+                    references,
+                    count,
+                    self.integers.as_mut_ptr(),
+                ),
+                1 => library.get_others::<bool, c_int>(
+                    c,
+                    references,
+                    count,
+                    self.integers.as_mut_ptr(),
+                ),
                 2 => library.strings(c, Call::GetString, references, count),
                 _ => {
                     let values = self.reals.as_mut_ptr();
-                    let status = library.get::<f64, f64>(c, references, count, values);
+                    let status = library.get_reals(c, references, count, values);
                     if status == Status::Ok {
                         self.look_at(count);
                     }
