@@ -12,6 +12,9 @@ are the shell's and the driver's; 461 are the step itself (its motion 125, the l
 numbers, 266 inputs, ladder, filter of the jerk and outputs. A gate of 22 leaves 1,078 for all
 of it. The other rigid gate, at 10 ms, is kept by a hair (140.1): 1,613 instructions, of which
 some 170 build the ladder, once a run.
+
+The worst step of the compliant plant, one with events, is a time and stands at its limit: two runs
+on an idle machine gave 0.82 (the first 3 s of the drive) and 1.02 (all 30).
 """
 
 from __future__ import annotations
