@@ -29,6 +29,8 @@ pub enum Error {
     UnknownModel {
         /// The name asked for.
         name: String,
+        /// The names there are.
+        known: Vec<&'static str>,
     },
     /// Committed descriptions differ from what the models say.
     Stale {
@@ -162,10 +164,10 @@ impl fmt::Display for Error {
                     "{variable} depends on {dependency}, which is not a variable of the model"
                 )
             }
-            Self::UnknownModel { name } => write!(
+            Self::UnknownModel { name, known } => write!(
                 f,
                 "there is no model {name}; the models are {}",
-                crate::models::names().join(", ")
+                known.join(", ")
             ),
             Self::Stale { files } => {
                 writeln!(f, "out of date:")?;

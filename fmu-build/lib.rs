@@ -14,10 +14,12 @@ pub mod about;
 mod archive;
 pub mod binary;
 mod check;
+mod closed_loop;
 mod compiler;
 mod content;
 mod description;
 mod drive;
+mod entry;
 mod error;
 mod figures;
 pub mod icon;
@@ -36,11 +38,12 @@ mod xml;
 pub use archive::package;
 pub use check::{Finding, Options, Replay, Report, Severity, check, check_with, probe, replay};
 pub use description::describe;
+pub use entry::{Entry, Smoke};
 pub use error::{Error, Result};
 pub use merge::merge;
 
 use library::Target;
-use models::{Entry, MODELS};
+use models::MODELS;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -63,7 +66,7 @@ pub fn descriptions() -> Result<Vec<(PathBuf, String)>> {
         }
         files.push((folder.join(name), text));
     }
-    files.push((folder.join("VARIABLES.md"), variables_md::text()?));
+    files.push((folder.join("VARIABLES.md"), variables_md::text(MODELS)?));
     files.extend(parameters::files()?);
     Ok(files)
 }

@@ -1,13 +1,11 @@
 //! The smoke experiment of this workspace's models: the launch of the closed loop, which each of them sees from
 //! its own side.
 
-use crate::drive::{Loop, Role, Stimuli, shown};
-use crate::models::{MODELS, Smoke};
-use crate::{Error, Result, library};
+use crate::closed_loop::{models, scenario};
+use crate::drive::{Loop, Role, shown};
+use crate::{Result, Smoke};
 use std::fmt::Write as _;
-use std::fs;
 
-const SCENARIOS: &str = "examples/closed_loop/scenarios";
 /// Launch and lock-up of clutch 1 [s].
 const STOP: f64 = 3.0;
 /// Communication step [s]: a power of 2, so that no importer rounds a time or a step.
@@ -65,8 +63,7 @@ fn control() -> Result<String> {
 fn inputs(model: usize) -> Result<String> {
     let parameters: Vec<_> = IDLE.into_iter().chain(FRICTION).collect();
     let stimuli = scenario("torque_tracking.csv", &parameters, STOP)?;
-    let parts = MODELS.iter().map(|entry| (entry.part)()).collect();
-    let mut all = Loop::new(parts, &stimuli);
+    let mut all = Loop::new(models(), &stimuli);
     let inputs = all.signals(model, Role::Input);
     let mut text = String::from("time");
     for (name, _) in &inputs {
@@ -83,30 +80,4 @@ fn inputs(model: usize) -> Result<String> {
         Ok(())
     })?;
     Ok(text)
-}
-
-/// A scenario of `examples/closed_loop` up to a time [s], with parameters as further columns.
-pub(crate) fn scenario(name: &str, parameters: &[(&str, f64)], until: f64) -> Result<Stimuli> {
-    let path = library::workspace().join(SCENARIOS).join(name);
-    let read = fs::read_to_string(&path);
-    let scenario = read.map_err(|source| Error::Io {
-        path: path.clone(),
-        source,
-    })?;
-    let mut text = String::new();
-    for line in scenario.lines() {
-        let time = line.split(',').next().unwrap_or_default().parse::<f64>();
-        if time.as_ref().is_ok_and(|time| *time > until) {
-            break;
-        }
-        text.push_str(line);
-        for (name, value) in parameters {
-            match time {
-                Ok(_) => drop(write!(text, ",{value}")),
-                Err(_) => drop(write!(text, ",{name}")),
-            }
-        }
-        text.push('\n');
-    }
-    Stimuli::parse(&text).map_err(|(line, what)| Error::Stimuli { path, line, what })
 }

@@ -3,10 +3,9 @@
 //! An input takes the output of the same name, the control's that of the observer; what no FMU gives
 //! becomes an input of the system.
 
-use crate::models::Entry;
 use crate::port::{Kind, Port};
 use crate::xml::Element;
-use crate::{Error, Result, package};
+use crate::{Entry, Error, Result, package};
 use fmi2_cosim::{Enumeration, Unit};
 use std::fs;
 use std::path::Path;

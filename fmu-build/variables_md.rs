@@ -1,21 +1,20 @@
 //! `VARIABLES.md`: the tables of all models for people, one section each.
 
-use crate::Result;
-use crate::models::MODELS;
 use crate::table::{COLUMNS, LEGEND, rows};
+use crate::{Entry, Result};
 use fmi2_cosim::Model;
 
 /// The text of `VARIABLES.md`.
 ///
 /// # Errors
 /// When a start value is not finite.
-pub(crate) fn text() -> Result<String> {
+pub(crate) fn text(models: &[Entry]) -> Result<String> {
     let mut text = format!(
         "# Variables of the FMUs\n\n\
          Written by `cargo fmu describe` from the tables in `src/models`; do not edit.\n\n\
          {LEGEND}\n"
     );
-    for entry in MODELS {
+    for entry in models {
         text.push('\n');
         text.push_str(&(entry.table)()?);
     }

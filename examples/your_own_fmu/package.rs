@@ -1,8 +1,8 @@
 //! Builds and checks `Oven.fmu`: `cargo run -p your-own-fmu --example package -- FOLDER`.
 
 use Oven::Oven;
+use fmu_build::Entry;
 use fmu_build::about::{About, Equation};
-use fmu_build::models::Entry;
 use std::error::Error;
 use std::path::PathBuf;
 

@@ -11,6 +11,7 @@ mod container;
 mod native;
 mod parsed;
 mod probe;
+mod refused;
 mod replay;
 mod roles;
 mod rules;

@@ -1,9 +1,10 @@
 //! Runs FMUs over a table of inputs and writes their outputs, bit for bit: the same file on two
 //! platforms means that both computed the same.
 
-use super::native::{Binary, Instance, Refused, Transition, take_messages};
+use super::native::{Binary, Instance, Transition};
 use super::parsed::{Description, Kind as Type, ScalarVariable};
 use super::probe::resource_uri;
+use super::refused::{done, refused};
 use super::unpack::Unpacked;
 use super::{Library, opened};
 use crate::drive::{self, Calls, Kind, Part, Place, Recorded, Role, Signal, Stimuli};
@@ -162,17 +163,4 @@ impl Part for Running<'_> {
     fn terminate(&mut self) -> Result<()> {
         done(self.instance.call(Transition::Terminate)?)
     }
-}
-
-pub(super) fn refused(function: &'static str, status: i32) -> Error {
-    Error::Refused {
-        function,
-        status,
-        messages: take_messages().join("; "),
-    }
-}
-
-/// A refusal as an error, with what the FMU logged.
-pub(super) fn done<T>(called: std::result::Result<T, Refused>) -> Result<T> {
-    called.map_err(|call| refused(call.function, call.status))
 }

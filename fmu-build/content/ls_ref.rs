@@ -8,10 +8,9 @@
 
 use super::Members;
 use crate::drive::{self, Stimuli};
-use crate::models::{Entry, Smoke};
 use crate::parameters::ParameterSet;
 use crate::xml::Element;
-use crate::{Error, Result};
+use crate::{Entry, Error, Result, Smoke};
 use std::fmt::Write as _;
 
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";

@@ -9,8 +9,7 @@ mod packages;
 
 pub(crate) use dependencies::MEMBER as DEPENDENCIES;
 
-use crate::models::Entry;
-use crate::{Result, icon};
+use crate::{Entry, Result, icon, page};
 
 /// Names in the archive with their contents.
 pub(crate) type Members = Vec<(String, Vec<u8>)>;
@@ -20,7 +19,7 @@ pub(crate) fn members(entry: &Entry) -> Result<Members> {
     let linked = packages::linked(entry.package, entry.folder())?;
     let mut members = vec![
         text("modelDescription.xml", dated((entry.describe)()?)?),
-        text("documentation/index.html", entry.page()?),
+        text("documentation/index.html", page::page(entry)?),
         text(bom::MEMBER, bom::text(entry.name, &linked)?),
     ];
     if let Some(terminals) = entry.terminals_text() {

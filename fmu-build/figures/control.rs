@@ -2,9 +2,8 @@
 
 use super::{CASES, Figures, STEP, place, rounded};
 use crate::Result;
+use crate::closed_loop::{models, scenario};
 use crate::drive::{Loop, Place};
-use crate::models::MODELS;
-use crate::smoke::scenario;
 
 /// `slipping` of the clutches' states.
 const SLIPPING: f64 = 2.0;
@@ -39,8 +38,7 @@ fn errors(feedback: f64, friction: [f64; 2]) -> Result<[f64; 2]> {
         ("feedback.enabled", feedback),
     ];
     let stimuli = scenario("torque_tracking.csv", &columns, f64::INFINITY)?;
-    let parts = MODELS.iter().map(|entry| (entry.part)()).collect();
-    let mut all = Loop::new(parts, &stimuli);
+    let mut all = Loop::new(models(), &stimuli);
     let clutches = [1, 2].map(|clutch| Clutch::of(&all, clutch));
     let (mut squares, mut count) = ([0.0; 2], 0.0);
     all.run(STEP, &mut |_, all| {

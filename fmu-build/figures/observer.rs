@@ -2,9 +2,8 @@
 
 use super::{CASES, Figures, STEP, place, rounded};
 use crate::Result;
+use crate::closed_loop::{models, scenario};
 use crate::drive::{Loop, Place};
-use crate::models::MODELS;
-use crate::smoke::scenario;
 
 const TORQUES: [&str; 3] = ["clutch1.torque", "clutch2.torque", "driveShaft.torque"];
 const METHODS: [&str; 5] = ["paper", "lyapunov", "energy", "kalman", "calibrating"];
@@ -44,7 +43,7 @@ fn errors(method: u8, friction: [f64; 2]) -> Result<[[f64; 3]; 2]> {
         ("observer.method", f64::from(method)),
     ];
     let stimuli = scenario("positions.csv", &columns, f64::INFINITY)?;
-    let mut all = Loop::new(vec![(MODELS[0].part)(), (MODELS[1].part)()], &stimuli);
+    let mut all = Loop::new(models().into_iter().take(2).collect(), &stimuli);
     let truth = places(&all, 0, "");
     let believed = [places(&all, 1, ""), places(&all, 1, "mapBased.")];
     let (mut squares, mut missed) = ([0.0; 3], [[0.0; 3]; 2]);

@@ -2,9 +2,8 @@
 
 use super::{Figures, place, rounded};
 use crate::Result;
+use crate::closed_loop::{models, scenario};
 use crate::drive::Loop;
-use crate::models::MODELS;
-use crate::smoke::scenario;
 
 /// Communication steps in parts of the longest one, which is the grid on which runs are compared.
 const PARTS: [u32; 4] = [1, 2, 10, 100];
@@ -55,7 +54,7 @@ fn run(parts: u32) -> Result<Run> {
         &[("engine.speed_start", 90.0)],
         f64::INFINITY,
     )?;
-    let mut all = Loop::new(vec![(MODELS[0].part)()], &stimuli);
+    let mut all = Loop::new(models().into_iter().take(1).collect(), &stimuli);
     let names = [
         "driveShaft.torque",
         "energy.residual",

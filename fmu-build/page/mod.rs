@@ -11,9 +11,8 @@ mod tables;
 mod text;
 
 use crate::about::About;
-use crate::models::Entry;
 use crate::table::{LEGEND, Sheet};
-use crate::{Error, Result};
+use crate::{Entry, Error, Result};
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 use std::fs;
@@ -33,7 +32,11 @@ struct Section {
     html: String,
 }
 
-/// The page of an entry; sections without contents are left out.
+/// The documentation page inside the FMU of an entry; sections without contents are left out. Its changes
+/// are those of `CHANGELOG.md` in the folder that [`Entry::at`] named.
+///
+/// # Errors
+/// When a number of the table is not finite, or the change log cannot be read.
 pub(crate) fn page(entry: &Entry) -> Result<String> {
     let sheet = (entry.sheet)()?;
     let mut sections = sections(entry, &sheet)?;

@@ -1,10 +1,9 @@
 //! The tables of a documentation page.
 
 use super::{formula, text};
-use crate::Result;
 use crate::about::Equation;
-use crate::models::Entry;
 use crate::table::{COLUMNS, Sheet};
+use crate::{Entry, Result};
 use quick_xml::escape::escape;
 
 /// A table of HTML cells.

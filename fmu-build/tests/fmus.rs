@@ -5,7 +5,8 @@
 
 use dct_models::Plant;
 use fmi2_cosim::Model as _;
-use fmu_build::models::{Entry, MODELS};
+use fmu_build::Entry;
+use fmu_build::models::MODELS;
 use fmu_build::{Finding, Severity, library};
 use std::path::{Path, PathBuf};
 use std::{env, fs};

@@ -3,7 +3,8 @@
 // Clippy knows tests by their attribute; these are their helpers.
 #![allow(clippy::unwrap_used)]
 
-use fmu_build::models::{Entry, MODELS};
+use fmu_build::Entry;
+use fmu_build::models::MODELS;
 use fmu_build::{Severity, library};
 use std::path::{Path, PathBuf};
 use std::{env, fs};

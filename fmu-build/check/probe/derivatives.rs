@@ -2,7 +2,7 @@
 
 use super::super::Report;
 use super::super::native::Instance;
-use super::super::replay::done;
+use super::super::refused::done;
 use super::session::{Session, Variable};
 use super::stimuli::{Nudge, Stimuli, is_smooth};
 use super::value::Value;

@@ -2,7 +2,7 @@
 
 use super::super::native::{Binary, Instance, Transition};
 use super::super::parsed::{Attributes, CoSimulation, Description, Kind, ScalarVariable};
-use super::super::replay::{done, refused};
+use super::super::refused::{done, refused};
 use super::value::Value;
 use crate::Result;
 use std::cell::Cell;

@@ -1,7 +1,7 @@
 //! Slopes of inputs and of outputs, and steps of other sizes.
 
 use super::super::Report;
-use super::super::replay::done;
+use super::super::refused::done;
 use super::session::{Session, values};
 use super::stimuli::{Nudge, Rows, Stimuli, is_smooth};
 use super::value::Value;

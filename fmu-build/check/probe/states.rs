@@ -2,7 +2,7 @@
 
 use super::super::Report;
 use super::super::native::Saved;
-use super::super::replay::done;
+use super::super::refused::done;
 use super::session::{Run, Session, values};
 use super::stimuli::{Rows, Stimuli};
 use crate::Result;

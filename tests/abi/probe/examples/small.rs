@@ -3,8 +3,8 @@
 #[path = "../model.rs"]
 mod model;
 
+use fmu_build::Entry;
 use fmu_build::library::Target;
-use fmu_build::models::Entry;
 use model::Probe;
 use std::error::Error;
 
