@@ -64,6 +64,14 @@ impl Variable {
     pub fn follows(&self) -> bool {
         self.continuous && self.causality == Causality::Input
     }
+
+    /// Whether something may feed it.
+    pub fn can_be_set(&self) -> bool {
+        matches!(
+            self.causality,
+            Causality::Input | Causality::Parameter { tunable: true }
+        )
+    }
 }
 
 /// What the FMU says that it can do.

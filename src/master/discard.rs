@@ -10,11 +10,27 @@ const SHORTEST: f64 = 1.0 / 4096.0;
 /// Of the step: what is left at its end and counts as nothing.
 const ROUNDING: f64 = 1e-9;
 
+/// Sets the inputs in use and advances an FMU from `time` by `step` [s]; a step that it discards is divided.
+///
+/// `slopes` are none, or one for each input.
+pub fn step(
+    fmu: &mut Fmu,
+    inputs: &mut [f64],
+    slopes: &[f64],
+    (time, step): (f64, f64),
+) -> Result<(), Error> {
+    fmu.at(time);
+    if fmu.attempt(inputs, slopes, time, step)? {
+        return Ok(());
+    }
+    finish(fmu, inputs, slopes, (time, step))
+}
+
 /// Takes the rest of a discarded step from `time` to `time + step` [s], in smaller ones.
 ///
 /// An FMU that got part of the way goes on from there; one that did not move tries half the step.
 /// `inputs` stay as they are, or go on with their `slopes`; afterwards they are as before.
-pub fn finish(
+fn finish(
     fmu: &mut Fmu,
     inputs: &mut [f64],
     slopes: &[f64],

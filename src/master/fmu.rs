@@ -2,7 +2,6 @@
 
 use crate::derivatives::Derivatives;
 use crate::description::{Causality, Description, Variable};
-use crate::discard;
 use crate::error::{Error, Seconds};
 use crate::library::Library;
 use crate::plan::Value;
@@ -132,24 +131,14 @@ impl Fmu {
         done.map_err(|failure| self.failed(failure))
     }
 
-    /// Sets the inputs in use and advances from `time` by `step` [s]; a step that it discards is
-    /// divided. `slopes` are none, or one for each input.
-    pub fn step(
-        &mut self,
-        inputs: &mut [f64],
-        slopes: &[f64],
-        time: f64,
-        step: f64,
-    ) -> Result<(), Error> {
+    /// Tells it and its log where a step begins [s].
+    pub fn at(&mut self, time: f64) {
         self.time = time;
         self.log.at(time);
-        if self.attempt(inputs, slopes, time, step)? {
-            return Ok(());
-        }
-        discard::finish(self, inputs, slopes, (time, step))
     }
 
-    /// Tries a step; false when the FMU discards it.
+    /// Sets the inputs in use and tries a step; false when the FMU discards it. `slopes` are none, or one for
+    /// each input.
     pub fn attempt(
         &mut self,
         inputs: &[f64],

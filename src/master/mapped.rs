@@ -2,7 +2,6 @@
 
 use crate::description::{Causality, Description, Variable};
 use crate::error::{Error, Seconds};
-use crate::part::can_be_set;
 use crate::plan::{Component, Link, Mapped, Sum};
 
 /// Carries values between the loop, "ours", and the FMU, "theirs".
@@ -121,7 +120,10 @@ pub fn inputs<'a>(
         let link = mapped.inputs.iter().find(|link| link.ours == input.name);
         let full = || format!("{}.{}", component.name, input.name);
         let link = link.ok_or_else(|| Error::variable(full(), "is not in the mapping"))?;
-        if !description.find(&link.theirs).is_some_and(can_be_set) {
+        if !description
+            .find(&link.theirs)
+            .is_some_and(Variable::can_be_set)
+        {
             let what = format!("is '{}', which is no input of the FMU", link.theirs);
             return Err(Error::variable(full(), what));
         }

@@ -1,7 +1,8 @@
 //! One FMU, what feeds it, and where its outputs live in the world.
 
 use crate::derivatives::advance;
-use crate::description::{Causality, Description, Variable};
+use crate::description::{Description, Variable};
+use crate::discard;
 use crate::error::Error;
 use crate::fmu::Fmu;
 use crate::gather::Gather;
@@ -117,7 +118,7 @@ impl Part {
     fn step_once(&mut self, step: f64) -> Result<(), Error> {
         let Gather { values, slopes, .. } = &mut self.gather;
         let Some(translator) = &mut self.translator else {
-            return self.fmu.step(values, slopes, self.time, step);
+            return discard::step(&mut self.fmu, values, slopes, (self.time, step));
         };
         translator.send(values, self.time)?;
         let their_slopes = if slopes.is_empty() {
@@ -126,8 +127,8 @@ impl Part {
             translator.steer(slopes);
             &translator.slopes
         };
-        self.fmu
-            .step(&mut translator.inputs, their_slopes, self.time, step)
+        let span = (self.time, step);
+        discard::step(&mut self.fmu, &mut translator.inputs, their_slopes, span)
     }
 
     /// Prepares for interpolation.
@@ -188,7 +189,7 @@ fn sorted<'a>(
         let name = || format!("{}.{}", component.name, input.name);
         let variable = description.find(&input.name);
         let variable = variable.ok_or_else(|| Error::variable(name(), "does not exist"))?;
-        if !can_be_set(variable) {
+        if !variable.can_be_set() {
             let what = "is no input and no tunable parameter";
             return Err(Error::variable(name(), what));
         }
@@ -198,14 +199,6 @@ fn sorted<'a>(
     let variables;
     (component.inputs, variables) = found.into_iter().unzip();
     Ok((component, variables))
-}
-
-/// Whether something may feed a variable.
-pub fn can_be_set(variable: &Variable) -> bool {
-    matches!(
-        variable.causality,
-        Causality::Input | Causality::Parameter { tunable: true }
-    )
 }
 
 /// Which inputs of a component may have slopes; `inputs` are those of an FMU that is not mapped.
