@@ -41,11 +41,12 @@ def check_tight(case, longest, stages):
 
 
 def initial_mode(case):
-    """Clutch modes at the start, from a run over the first piece."""
+    """Modes of clutches and brake at the start and the way the output turns, one piece later."""
     simulation = case.simulation()
     first = next(iter(case.pieces(simulation.plant.p)))
     simulation.run([first])
-    return [*(SIGN_OF.get(*_state(simulation, i)) for i in range(2)), simulation.mode[2]]
+    clutches = (SIGN_OF.get(*_state(simulation, i)) for i in range(2))
+    return [*clutches, simulation.mode[2], getattr(simulation, "turns", None)]
 
 
 def _state(simulation, i):

@@ -1,8 +1,9 @@
 """A second, independent solution: scalar equations (1)-(11) integrated by Radau with events.
 
 Shares with the reference the parameters, the scenario and the ORDER of the modes of clutches,
-brake and synchronisers; every equation is written out again (`scalar_plants.py`), gears change by
-a second look at what is preselected, and every event is located again by `solve_ivp`.
+brake, synchronisers and gears that jam; every equation is written out again (`scalar_plants.py`,
+`scalar_losses.py`, `scalar_heat.py`), gears change by a second look at what is preselected, and
+every event is located again by `solve_ivp`.
 """
 
 from __future__ import annotations
@@ -12,22 +13,26 @@ from itertools import pairwise
 import numpy as np
 from hybrid import PARTS
 from reference_plant import Params
-from scalar_plants import GearedScalarPlant, RigidScalarPlant, ScalarPlant
+from scalar_heat import HeatedScalarPlant
+from scalar_losses import RigidLossyScalarPlant
+from scalar_plants import OUTPUT, GearedScalarPlant, RigidScalarPlant, ScalarPlant
 from scipy.integrate import solve_ivp
 
 SIGN_OF = {"disengaged": 0, "engaged": 2}
 AT_ONCE = 1e-6  # [N·m] beyond its peak: a clutch that breaks away where the other one locks
-ORDER = (*PARTS, "synchroniser 1", "synchroniser 2")
+ORDER = (*PARTS, "synchroniser 1", "synchroniser 2", "output")
 
 
 def scalar_plant(case):
     """The scalar equations of a case."""
     params = Params(rigid=case.rigid, **case.params)
     if case.rigid:
-        return RigidScalarPlant(params.in_gears(case.gears[0][1]), case.scenario)
+        kind = RigidLossyScalarPlant if params.lossy else RigidScalarPlant
+        return kind(params.in_gears(case.gears[0][1]), case.scenario)
     if len(case.gears) > 1:
         return GearedScalarPlant(params, case.scenario, case.gears)
-    return ScalarPlant(params.in_gears(case.gears[0][1]), case.scenario)
+    kind = ScalarPlant if params.heat is None else HeatedScalarPlant
+    return kind(params.in_gears(case.gears[0][1]), case.scenario)
 
 
 class RadauRun:
@@ -35,6 +40,7 @@ class RadauRun:
 
     def __init__(self, case, events, initial, rtol=1e-11, atol=1e-12):
         self.case, self.plant = case, scalar_plant(case)
+        *initial, self.plant.turns = initial
         self.pending = [event for event in events if event["clutch"] in ORDER]
         self.mode = list(initial)
         self.tolerances = {"rtol": rtol, "atol": atol, "method": "Radau"}
@@ -68,6 +74,7 @@ class RadauRun:
             t = self._integrate(t, end, sample, due[0] if due else None)
             if due:
                 self._apply(self.pending.pop(0), t)
+                self._take_in(due[0]["time"])
 
     def _sample(self, time):
         """Change gears."""
@@ -75,9 +82,18 @@ class RadauRun:
             pressed = [force > 0 for force in self.plant.inputs(time)[1]]
             self.y = self.plant.sample(time, self.y, pressed)
 
+    def _take_in(self, time):
+        """Let the output turn in a gear that came in at `time`: nothing to locate."""
+        following = self.pending[0] if self.pending else {"clutch": None}
+        if following["clutch"] == "output" and following["time"] == time:
+            self._apply(self.pending.pop(0), None)
+
     def _apply(self, event, found):
         part = ORDER.index(event["clutch"])
-        if part < len(PARTS):
+        if part == OUTPUT:
+            turns = {"disengaged": None, "engaged": 0}.get(event["to"], event["direction"])
+            self.y = self.plant.turn(turns, self.y)
+        elif part < len(PARTS):
             self.mode[part] = SIGN_OF.get(event["to"], event["direction"])
         elif found is not None:
             self.plant.synchronised(part - len(PARTS))

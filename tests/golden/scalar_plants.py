@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+OUTPUT = 5  # after clutches, brake and synchronisers
+
 
 class ScalarPlant:
-    """(1)-(11) as scalar equations; y = speeds (e d c1 c2 o w) and twists (d t1 t2 o)."""
+    """(1)-(11) as scalar equations; y = speeds (e d c1 c2 o w) and twists (d t1 t2 o).
+
+    `turns` is the sign of omega_o that gears with losses were found to have, 0 while they are
+    jammed, None where omega_o itself tells.
+    """
+
+    turns, output = None, 4  # where omega_o is in y
 
     def __init__(self, params, scenario):
         self.p, self.scenario = params, scenario
@@ -60,12 +68,13 @@ class ScalarPlant:
         p = self.p
         t_d, t_c, t_t, t_o, t_v = self.torques(y, mode, u)
         e, d, c1, c2, o, w = y[:6]
+        driving = sum(self.passed_on(i, t_t[i], o) for i in range(2))
         return [
             (u[0] - t_d) / p.j_e,
             (t_d - t_c[0] - t_c[1]) / p.j_d,
             (t_c[0] - self.reaction(0, t_t[0])) / p.j_c[0],
             (t_c[1] - self.reaction(1, t_t[1])) / p.j_c[1],
-            (sum(self.passed_on(i, t_t[i], o) for i in range(2)) - t_o) / p.j_o,
+            0.0 if self.turns == 0 else (driving - t_o) / p.j_o,
             (t_o - t_v) / p.j_v,
             *(e - d, self.twist_rate(0, c1, o), self.twist_rate(1, c2, o), o - w),
         ]
@@ -80,11 +89,42 @@ class ScalarPlant:
 
     def passed_on(self, i, t_t, o):
         """Torque of shaft `i` on the output, turning at `o` [rad/s], less what its gear loses."""
+        return self.p.i_f[i] * t_t * self.share(i, t_t, o)
+
+    def share(self, i, torque, o):
+        """What the gear of shaft `i` passes on of `torque`, eta or 1 / eta."""
         eta = self.p.eta[i]
-        return self.p.i_f[i] * t_t * (eta if t_t * o > 0 else 1 / eta)
+        return eta if torque * (self.turns or o) > 0 else 1 / eta
+
+    def turn(self, direction, y):
+        """The output goes on in `direction` (0: it jams, None: gears are out); returns y."""
+        self.turns = direction
+        if direction == 0:
+            y = np.array(y)
+            y[self.output] = 0.0
+        return y
+
+    def meshes(self, y, mode, u):
+        """i_f T_t of both shafts, T_o."""
+        _, _, t_t, t_o, _ = self.torques(y, mode, u)
+        return [self.p.i_f[i] * t_t[i] for i in range(2)], t_o
+
+    def output_guard(self, y, mode, u):
+        """Positive while the output turns on, or stays jammed."""
+        if self.turns:
+            return self.turns * y[self.output]
+        torque, t_o = self.meshes(y, mode, u)
+        eta = self.p.eta
+        weak, strong = (
+            sum(pick(torque[i] * eta[i], torque[i] / eta[i]) for i in range(2)) - t_o
+            for pick in (min, max)
+        )
+        return min(-weak, strong)  # driven forward by `weak` or backward by `strong`, it gives way
 
     def guard(self, y, mode, u, i):
-        """Positive while clutch `i` keeps its mode."""
+        """Positive while clutch `i`, the brake (2) or the output (5) keeps its mode."""
+        if i == OUTPUT:
+            return self.output_guard(y, mode, u)
         if mode[i] == 0:
             return 1.0
         if i == 2:
@@ -103,6 +143,8 @@ class ScalarPlant:
 
 class RigidScalarPlant(ScalarPlant):
     """The rigid variant, omega_ci = g_i omega_o; y = speeds (e d o w) and twists (d o)."""
+
+    output = 2
 
     def start(self, engine_speed, omega):
         """Start values of y."""
@@ -203,5 +245,7 @@ class GearedScalarPlant(ScalarPlant):
         return super().passed_on(i, t_t, o)
 
     def guard(self, y, mode, u, i):
-        """Positive while clutch `i`, the brake (2) or synchroniser `i - 3` keeps its mode."""
-        return self.rub[i - 3] * self.apart(i - 3, y) if i > 2 else super().guard(y, mode, u, i)
+        """Positive while clutch, brake, synchroniser `i - 3` or output keeps its mode."""
+        if i in (3, 4):
+            return self.rub[i - 3] * self.apart(i - 3, y)
+        return super().guard(y, mode, u, i)
