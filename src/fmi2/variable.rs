@@ -87,6 +87,15 @@ pub enum Initial {
     Calculated,
 }
 
+/// Who gives a value and when it may change.
+type Kind = (Causality, Variability);
+
+const CONTINUOUS_INPUT: Kind = (Causality::Input, Variability::Continuous);
+const DISCRETE_INPUT: Kind = (Causality::Input, Variability::Discrete);
+const CONTINUOUS_OUTPUT: Kind = (Causality::Output, Variability::Continuous);
+const DISCRETE_OUTPUT: Kind = (Causality::Output, Variability::Discrete);
+const PARAMETER: Kind = (Causality::Parameter, Variability::Fixed);
+
 /// A row of the table: name, roles, unit, limits, dependencies, and where the value lives.
 pub struct Variable<M: 'static> {
     /// Structured name, e.g. `valve1.position`.
@@ -131,8 +140,7 @@ impl<M> Variable<M> {
     const fn new(
         name: &'static str,
         description: &'static str,
-        causality: Causality,
-        variability: Variability,
+        (causality, variability): Kind,
         access: Access<M>,
     ) -> Self {
         Self {
@@ -160,15 +168,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut f64,
         description: &'static str,
     ) -> Self {
-        let access = Access::Real(field);
-        Self::new(
-            name,
-            description,
-            Causality::Input,
-            Variability::Continuous,
-            access,
-        )
-        .unit(unit)
+        Self::new(name, description, CONTINUOUS_INPUT, Access::Real(field)).unit(unit)
     }
 
     /// An Integer input, discrete.
@@ -177,14 +177,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut i32,
         description: &'static str,
     ) -> Self {
-        let access = Access::Integer(field);
-        Self::new(
-            name,
-            description,
-            Causality::Input,
-            Variability::Discrete,
-            access,
-        )
+        Self::new(name, description, DISCRETE_INPUT, Access::Integer(field))
     }
 
     /// A Boolean input, discrete.
@@ -193,14 +186,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut bool,
         description: &'static str,
     ) -> Self {
-        let access = Access::Boolean(field);
-        Self::new(
-            name,
-            description,
-            Causality::Input,
-            Variability::Discrete,
-            access,
-        )
+        Self::new(name, description, DISCRETE_INPUT, Access::Boolean(field))
     }
 
     /// A Real parameter, fixed.
@@ -210,15 +196,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut f64,
         description: &'static str,
     ) -> Self {
-        let access = Access::Real(field);
-        Self::new(
-            name,
-            description,
-            Causality::Parameter,
-            Variability::Fixed,
-            access,
-        )
-        .unit(unit)
+        Self::new(name, description, PARAMETER, Access::Real(field)).unit(unit)
     }
 
     /// A Boolean parameter, fixed.
@@ -227,14 +205,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut bool,
         description: &'static str,
     ) -> Self {
-        let access = Access::Boolean(field);
-        Self::new(
-            name,
-            description,
-            Causality::Parameter,
-            Variability::Fixed,
-            access,
-        )
+        Self::new(name, description, PARAMETER, Access::Boolean(field))
     }
 
     /// An Enumeration parameter, fixed.
@@ -244,13 +215,11 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut i32,
         description: &'static str,
     ) -> Self {
-        let access = Access::Enumeration(field, kind);
         Self::new(
             name,
             description,
-            Causality::Parameter,
-            Variability::Fixed,
-            access,
+            PARAMETER,
+            Access::Enumeration(field, kind),
         )
     }
 
@@ -261,15 +230,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut f64,
         description: &'static str,
     ) -> Self {
-        let access = Access::Real(field);
-        Self::new(
-            name,
-            description,
-            Causality::Output,
-            Variability::Continuous,
-            access,
-        )
-        .unit(unit)
+        Self::new(name, description, CONTINUOUS_OUTPUT, Access::Real(field)).unit(unit)
     }
 
     /// A Boolean output, discrete.
@@ -278,14 +239,7 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut bool,
         description: &'static str,
     ) -> Self {
-        let access = Access::Boolean(field);
-        Self::new(
-            name,
-            description,
-            Causality::Output,
-            Variability::Discrete,
-            access,
-        )
+        Self::new(name, description, DISCRETE_OUTPUT, Access::Boolean(field))
     }
 
     /// An Enumeration output, discrete.
@@ -295,13 +249,11 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut i32,
         description: &'static str,
     ) -> Self {
-        let access = Access::Enumeration(field, kind);
         Self::new(
             name,
             description,
-            Causality::Output,
-            Variability::Discrete,
-            access,
+            DISCRETE_OUTPUT,
+            Access::Enumeration(field, kind),
         )
     }
 
