@@ -138,9 +138,10 @@ def of_states_only(model: str, step: float = STEP) -> dict[str, float]:
 
 
 @cache
-def ran_in(program: str, what: str, step: float = STEP) -> dict[str, dict[str, float]]:
-    """Return what a program beside this file prints: outputs by model and name after 1 s."""
-    command = [sys.executable, str(ROOT / "tests" / program), what, repr(step)]
+def ran_in(importer: str, what: str, step: float = STEP) -> dict[str, dict[str, float]]:
+    """Return what `run_in_IMPORTER.py` prints: outputs by model and name after 1 s."""
+    program = ROOT / "tests" / f"run_in_{importer}.py"
+    command = [sys.executable, str(program), what, repr(step)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT)
     assert done.returncode == 0, done.stdout + done.stderr
     return json.loads(done.stdout.splitlines()[-1])

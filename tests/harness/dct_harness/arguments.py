@@ -46,34 +46,26 @@ def say(args: argparse.Namespace, text: str, data: Any) -> None:
 
 def seconds(text: str) -> float:
     """Read a time [s] greater than 0."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a time greater than 0 s")
-    return value
+    return _checked(text, lambda value: value > 0, "a time greater than 0 s")
 
 
 def mebibytes(text: str) -> float:
     """Read a size [MiB] greater than 0."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a size greater than 0 MiB")
-    return value
+    return _checked(text, lambda value: value > 0, "a size greater than 0 MiB")
 
 
 def amount(text: str) -> float:
     """Read a number of at least 0."""
+    return _checked(text, lambda value: value >= 0, "a number of at least 0")
+
+
+def _checked(text: str, is_good: Callable[[float], bool], what: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not (math.isfinite(value) and value >= 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number of at least 0")
+    if not (math.isfinite(value) and is_good(value)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not {what}")
     return value
 
 
