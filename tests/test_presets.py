@@ -62,9 +62,10 @@ def test_pressure_starts_the_wet_box_on_a_hill_without_roll_back(tmp_path: Path)
     assert record["parameters"]["plant"]["engine.inertia"]["value"] == 0.2
 
 
-def test_pressures_are_followed_by_every_method(tmp_path: Path) -> None:
+@pytest.mark.parametrize("system", ["methods_wet6", "methods_wet6_fade"])
+def test_pressures_are_followed_by_every_method(system: str, tmp_path: Path) -> None:
     """The system file limits energy, kalman and calibrating; the map misses by all it believes."""
-    loop = run("methods_wet6", (), tmp_path)
+    loop = run(system, (), tmp_path)
     truth = loop["plant.clutch1.torque"]
     assert truth.max() > 80
     assert loop["scenario.shaft1.gear"][-1] == 3

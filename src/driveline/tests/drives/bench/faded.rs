@@ -48,3 +48,22 @@ pub fn dry_7() -> Scenario {
         ..paper()
     }
 }
+
+/// The same on linings that lose 6 % over slip and fade when hot: [`Params::DRY_7_FADE`].
+pub fn dry_7_fade() -> Scenario {
+    Scenario {
+        name: "dry7_fade".to_string(),
+        p: Params::DRY_7_FADE,
+        ..paper()
+    }
+}
+
+/// The same after a mountain road: faces at 280 °C, where the resin begins to give up.
+pub fn dry_7_hot() -> Scenario {
+    let mut scenario = dry_7_fade();
+    scenario.name = "dry7_fade, hot".to_string();
+    for clutch in &mut scenario.p.clutch {
+        clutch.thermal.start = 553.15;
+    }
+    scenario
+}

@@ -364,6 +364,9 @@ pub fn unseen() -> Vec<Scenario> {
         hill_hold(),
         faded::dry_7(),
         wet::wet_6(),
+        faded::dry_7_fade(),
+        faded::dry_7_hot(),
+        wet::wet_6_fade(),
     ];
     all.extend([1, 2, 3].map(random));
     all

@@ -41,3 +41,12 @@ pub fn wet_6() -> Scenario {
         ..base("wet6", 22.0)
     }
 }
+
+/// The same with linings whose friction rises with slip and falls with the temperature of their plates.
+pub fn wet_6_fade() -> Scenario {
+    Scenario {
+        name: "wet6_fade".to_string(),
+        p: Params::WET_6_FADE,
+        ..wet_6()
+    }
+}
