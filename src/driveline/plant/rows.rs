@@ -67,7 +67,7 @@ impl Row {
 /// Σ a b of an even number of entries, in two lanes.
 #[inline(always)]
 fn dot<const N: usize>(a: &[f64; N], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 2];
+    let mut lanes = [-0.0; 2]; // what a first sum leaves as it is
     for (a, b) in a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0) {
         lanes[0] += a[0] * b[0];
         lanes[1] += a[1] * b[1];

@@ -58,7 +58,7 @@ pub(crate) fn dot_apart<const N: usize, const M: usize>(a: &Lanes<N>, b: &Lanes<
 #[inline(always)]
 pub(crate) fn dot<const N: usize, const M: usize>(a: &Lanes<N>, b: &Lanes<M>) -> f64 {
     let (Lanes(a), Lanes(b)) = (*a, *b);
-    let mut lanes = [0.0; 2];
+    let mut lanes = [-0.0; 2]; // what a first sum leaves as it is
     for ([a0, a1], [b0, b1]) in a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0) {
         lanes[0] += a0 * b0;
         lanes[1] += a1 * b1;

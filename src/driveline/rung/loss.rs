@@ -11,7 +11,8 @@ use crate::rung::held::{COMPLIANT, RIGID};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::start::{BUILT, CLUTCH_RAMPS, CLUTCHES, ENTRIES, Entries, SHAFTS};
 
-/// First torque among the entries, then T_v' and T_e'.
+/// First difference of speeds, first torque among the entries, then T_v' and T_e'.
+const FIRST_SPEED: usize = 2;
 const FIRST_TORQUE: usize = 4;
 const LOAD_RAMP: usize = 6;
 const ENGINE_RAMP: usize = 7;
@@ -22,7 +23,8 @@ type Form = [Lanes<ENTRIES>; ENTRIES];
 /// ∫ viscous power dτ as a quadratic form: columns of its upper triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Loss {
-    states: [Lanes<4>; 4],
+    twists: [Lanes<2>; 2],
+    speeds: [Lanes<4>; 2],
     torques: [Lanes<6>; 2],
     ramps: [Lanes<CLUTCHES>; 2],
     clutches: [Lanes<SHAFTS>; 2],
@@ -35,7 +37,8 @@ pub(crate) struct Loss {
 
 impl Loss {
     pub(crate) const ZERO: Self = Self {
-        states: [Lanes::ZERO; 4],
+        twists: [Lanes::ZERO; 2],
+        speeds: [Lanes::ZERO; 2],
         torques: [Lanes::ZERO; 2],
         ramps: [Lanes::ZERO; 2],
         clutches: [Lanes::ZERO; 2],
@@ -48,7 +51,8 @@ impl Loss {
     /// The form of a symmetric matrix of what moves; `output`: what ω_o times that loses besides, where
     /// meshes lose power.
     pub(crate) fn pack(&mut self, form: &Form, output: &Entries) {
-        fill(&mut self.states, 0, form);
+        fill(&mut self.twists, 0, form);
+        fill(&mut self.speeds, FIRST_SPEED, form);
         fill(&mut self.torques, FIRST_TORQUE, form);
         fill(&mut self.ramps, LOAD_RAMP, form);
         fill(&mut self.clutches, CLUTCHES, form);
@@ -63,14 +67,15 @@ impl Loss {
     /// `z`: first entries of a start. `sliding`: T_c1 or T_c2 is not zero. `omega_o`: output speed [rad/s].
     #[inline(never)] // a function of its own has registers for it
     pub(crate) fn of_held<const N: usize>(&self, z: &Lanes<N>, sliding: bool, omega_o: f64) -> f64 {
-        let (mut sum, Lanes(ramp)) = (Lanes::<N>::ZERO, self.ramps[0]);
-        for (sum, entry) in sum.iter_mut().zip(ramp) {
-            *sum = entry * z[LOAD_RAMP];
-        }
+        let mut sum = Lanes([-0.0; N]); // what a first sum leaves as it is
+        add(&mut sum, &self.ramps[0], z[LOAD_RAMP]);
         for (column, z) in self.torques.iter().zip(&z[FIRST_TORQUE..]) {
             add(&mut sum, column, *z);
         }
-        for (column, z) in self.states.iter().zip(&z.0) {
+        for (column, z) in self.speeds.iter().zip(&z[FIRST_SPEED..]) {
+            add(&mut sum, column, *z);
+        }
+        for (column, z) in self.twists.iter().zip(&z.0) {
             add(&mut sum, column, *z);
         }
         if N == COMPLIANT {
@@ -85,7 +90,11 @@ impl Loss {
                 }
             }
         }
-        let loss = dot(&sum, z);
+        let loss = if N == COMPLIANT || sliding {
+            dot(&sum, z)
+        } else {
+            dot(&sum.first::<CLUTCHES>(), &z.first::<CLUTCHES>())
+        };
         if self.meshes_lose {
             return loss + omega_o * dot(&self.output, z);
         }
