@@ -127,7 +127,7 @@ impl Plant {
             brake: 0.0,
         },
         stored_at_start: 0.0,
-        grade: Grade::LEVEL,
+        grade: Grade::NONE,
     };
 
     /// The plant at the start of a run: ω_d = ω_e, ω_o = ω_w = V/r_w, ω_ci = g_i ω_o, twists 0; the gears
@@ -150,7 +150,7 @@ impl Plant {
             gear: input.gear,
             temperature: [0, 1].map(|i| p.clutch[i].thermal.at_start()),
             stored_at_start: systems.stored_energy(&x),
-            grade: Grade::LEVEL.at(input.phi),
+            grade: Grade::NONE.at(&p.road, input.phi),
             ..Self::AT_REST
         };
         let mut place = None;
@@ -213,7 +213,7 @@ impl Plant {
         let (mut done, mut piece, mut events) = (0, 0, 0);
         let mut cap = LADDER;
         let before = self.all_modes();
-        self.grade = self.grade.at(now.phi);
+        self.grade.become_of(&p.road, now.phi);
         self.change_gears(p, &now, &rate);
         self.resolve_all(p, ladders, &now, &rate, &Event::default());
         report(0.0, before, self.all_modes());
@@ -327,7 +327,7 @@ impl Plant {
         }
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);
-        let grade = self.grade.at(input.phi);
+        let grade = self.grade.at(&p.road, input.phi);
         let (t_v, _) = input.load_torque(p, &grade, self.x[W], self.brake.direction());
         let load = Load::new(
             p,

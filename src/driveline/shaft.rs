@@ -34,61 +34,58 @@ impl RoadParams {
     /// The part of (11) that is smooth in the wheel speed [N·m]: without a rolling resistance that is
     /// dry friction.
     ///
-    /// `omega_w`: wheel speed [rad/s]. `phi`: road grade [rad].
+    /// `omega_w`: wheel speed [rad/s].
     /// Returns its slope by ω_w [N·m·s/rad] as well.
     #[inline(always)]
     pub(crate) fn smooth_load(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        if self.v_eps > 0.0 {
-            return self.smeared_load(omega_w, grade, |ratio| grade.direction_at(ratio));
+        if grade.is_fast(omega_w) && self.v_eps > 0.0 {
+            grade.fast_load(omega_w)
+        } else {
+            self.slow_load(omega_w, grade, |ratio| grade.direction_at(ratio))
         }
-        let (force, slope) = self.flowing(self.r_w * omega_w, grade);
-        (self.r_w * force, self.r_w * self.r_w * slope)
-    }
-
-    /// The same at the wheel speed that the grade was travelled at; V_ε > 0.
-    #[inline(always)]
-    pub(crate) fn smeared_load_here(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        self.smeared_load(omega_w, grade, |_| grade.direction)
     }
 
     /// The same at a wheel speed near that which the grade was travelled at; V_ε > 0.
     #[inline(always)]
-    pub(crate) fn smeared_load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        self.smeared_load(omega_w, grade, |ratio| grade.direction_near(ratio))
+    pub(crate) fn load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        if grade.is_fast(omega_w) {
+            grade.fast_load(omega_w)
+        } else {
+            self.slow_load_near(omega_w, grade)
+        }
+    }
+
+    #[cold]
+    #[inline(never)] // most speeds do not need it
+    fn slow_load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
+        self.slow_load(omega_w, grade, |ratio| grade.direction_near(ratio))
     }
 
     /// `direction`: tanh of V/V_ε.
-    #[inline(always)]
-    fn smeared_load(
+    fn slow_load(
         &self,
         omega_w: f64,
         grade: &Grade,
         direction: impl FnOnce(f64) -> f64,
     ) -> (f64, f64) {
-        let v = self.r_w * omega_w;
-        let (force, slope) = self.flowing(v, grade);
-        let roll = self.weight() * grade.cos * self.c_rr;
-        let direction = direction(v / self.v_eps);
-        let roll_slope = roll * (1.0 - direction * direction) / self.v_eps;
-        (
-            self.r_w * (force + roll * direction),
-            self.r_w * self.r_w * (slope + roll_slope),
-        )
-    }
-
-    /// Grade and drag [N], and the slope of both over V [N·s/m].
-    #[inline(always)]
-    fn flowing(&self, v: f64, grade: &Grade) -> (f64, f64) {
-        let drag = 0.5 * self.rho_air * self.a_v * self.c_drag * v.abs();
-        (self.weight() * grade.sin + drag * v, 2.0 * drag)
+        let (flow, slope) = grade.flowing(omega_w);
+        if self.v_eps <= 0.0 {
+            return (flow, slope);
+        }
+        let sharpness = self.r_w / self.v_eps;
+        let direction = direction(sharpness * omega_w);
+        let roll_slope = grade.roll * (1.0 - direction * direction) * sharpness;
+        (flow + grade.roll * direction, slope + roll_slope)
     }
 
     /// Rolling resistance that is dry friction [N·m], ≥ 0; 0 where V_ε smooths it.
-    pub(crate) fn dry_rolling(&self, grade: &Grade) -> f64 {
+    ///
+    /// `cos`: of the grade [1].
+    pub(crate) fn dry_rolling(&self, cos: f64) -> f64 {
         if self.v_eps > 0.0 {
             0.0
         } else {
-            self.r_w * self.weight() * grade.cos * self.c_rr
+            self.r_w * self.weight() * cos * self.c_rr
         }
     }
 
@@ -131,33 +128,57 @@ impl RoadParams {
     }
 }
 
-/// A road grade with its sine and cosine, and the direction of travel at a speed: they seldom change from one step
-/// to the next, or were just computed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A road grade, and the load (11) on it over the wheel speed: both seldom change from one step to the next.
+///
+/// ```text
+/// T_v = climb + drag ω_w |ω_w| + roll tanh(V/V_ε)
+/// ```
+///
+/// Beyond `fast` the tanh is ±1 to the last bit, and the load a parabola.
+#[derive(Debug, Clone, Copy)]
 pub struct Grade {
     phi: f64,
     pub(crate) sin: f64,
     pub(crate) cos: f64,
-    /// V/V_ε and its tanh.
+    /// r_w M_v g sin φ [N·m].
+    climb: f64,
+    /// ½ ρ A_v C_D r_w³ [N·m·s²/rad²].
+    drag: f64,
+    /// r_w M_v g cos φ C_rr [N·m].
+    roll: f64,
+    /// Wheel speed whose V/V_ε is [`SATURATED`] [rad/s].
+    fast: f64,
+    /// V/V_ε where the wheels last travelled slowly, and its tanh.
     ratio: f64,
     direction: f64,
 }
 
+/// What is known of a road is no part of a state: plants do not differ by it.
+impl PartialEq for Grade {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 impl Grade {
-    /// The level road.
-    pub(crate) const LEVEL: Self = Self {
-        phi: 0.0,
+    /// None that a road has: the first one is taken in its place.
+    pub(crate) const NONE: Self = Self {
+        phi: f64::INFINITY,
         sin: 0.0,
         cos: 1.0,
+        climb: 0.0,
+        drag: 0.0,
+        roll: 0.0,
+        fast: 0.0,
         ratio: 0.0,
         direction: 0.0,
     };
 
-    /// A grade of `phi` [rad]; this one where it is the same.
+    /// A grade of `phi` [rad] of a road; this one where it is the same.
     #[inline(always)]
-    pub(crate) fn at(&self, phi: f64) -> Self {
+    pub(crate) fn at(&self, road: &RoadParams, phi: f64) -> Self {
         let mut grade = *self;
-        grade.become_of(phi);
+        grade.become_of(road, phi);
         grade
     }
 
@@ -167,67 +188,89 @@ impl Grade {
         phi == self.phi
     }
 
-    /// Becomes a grade of `phi` [rad].
+    /// Becomes a grade of `phi` [rad] of a road, which is the same at every call.
     #[inline(always)]
-    pub(crate) fn become_of(&mut self, phi: f64) {
+    pub(crate) fn become_of(&mut self, road: &RoadParams, phi: f64) {
         if !self.is_of(phi) {
-            self.turn(phi);
+            self.turn(road, phi);
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn turn(&mut self, phi: f64) {
+    fn turn(&mut self, road: &RoadParams, phi: f64) {
         (self.phi, self.sin, self.cos) = (phi, ComplexField::sin(phi), ComplexField::cos(phi));
+        let (r_w, weight) = (road.r_w, road.weight());
+        self.climb = r_w * weight * self.sin;
+        self.drag = 0.5 * road.rho_air * road.a_v * road.c_drag * r_w * r_w * r_w;
+        self.roll = r_w * weight * self.cos * road.c_rr;
+        self.fast = SATURATED * road.v_eps / r_w;
     }
 
-    /// This grade where the wheels turn at `omega_w` [rad/s].
+    /// Load where the wheels turn at `omega_w` [rad/s], V_ε > 0, with its slope: see [`RoadParams::smooth_load`].
     #[inline(always)]
-    pub(crate) fn travel(&mut self, road: &RoadParams, omega_w: f64) {
-        let ratio = road.r_w * omega_w / road.v_eps;
+    pub(crate) fn travel(&mut self, road: &RoadParams, omega_w: f64) -> (f64, f64) {
+        if self.is_fast(omega_w) {
+            self.fast_load(omega_w)
+        } else {
+            self.travel_slowly(road, omega_w)
+        }
+    }
+
+    #[cold]
+    #[inline(never)] // most speeds do not need it
+    fn travel_slowly(&mut self, road: &RoadParams, omega_w: f64) -> (f64, f64) {
+        let ratio = road.r_w / road.v_eps * omega_w;
         (self.ratio, self.direction) = (ratio, self.direction_at(ratio));
+        road.slow_load(omega_w, self, |_| self.direction)
     }
 
-    /// tanh of V/V_ε at a speed near that of [`Self::travel`].
+    /// Whether the rolling resistance has all of its direction.
     #[inline(always)]
+    fn is_fast(&self, omega_w: f64) -> bool {
+        omega_w.abs() > self.fast
+    }
+
+    /// Load at such a speed.
+    #[inline(always)]
+    fn fast_load(&self, omega_w: f64) -> (f64, f64) {
+        let (flow, slope) = self.flowing(omega_w);
+        (flow + self.roll.copysign(omega_w), slope)
+    }
+
+    /// Climb and drag [N·m], and the slope of both over ω_w [N·m·s/rad].
+    #[inline(always)]
+    fn flowing(&self, omega_w: f64) -> (f64, f64) {
+        let drag = self.drag * omega_w.abs();
+        (self.climb + drag * omega_w, drag + drag)
+    }
+
+    /// tanh of V/V_ε at a speed near that of [`Self::travel_slowly`].
     fn direction_near(&self, ratio: f64) -> f64 {
         let change = ratio - self.ratio;
-        if ratio.abs() > SATURATED {
-            1.0_f64.copysign(ratio)
-        } else if change.abs() <= NEAR {
+        if change.abs() <= NEAR {
             tanh_of_sum(self.direction, change)
         } else {
-            tanh(ratio)
+            ComplexField::tanh(ratio)
         }
     }
 
     /// tanh of V/V_ε.
-    #[inline(always)]
     fn direction_at(&self, ratio: f64) -> f64 {
-        if ratio.abs() > SATURATED {
-            1.0_f64.copysign(ratio)
-        } else if ratio == self.ratio {
+        if ratio == self.ratio {
             self.direction
         } else {
-            tanh(ratio)
+            ComplexField::tanh(ratio)
         }
     }
 }
 
 /// tanh (a + b) of tanh a and b, |b| ≤ [`NEAR`]: addition theorem with the Padé approximant of tanh b.
-#[cold]
-#[inline(never)] // most speeds do not need it
 fn tanh_of_sum(tanh_a: f64, b: f64) -> f64 {
     let square = b * b;
     let above = b * (945.0 + square * (105.0 + square));
     let below = 945.0 + square * (420.0 + square * 15.0);
     (tanh_a * below + above) / (below + tanh_a * above)
-}
-
-#[cold]
-#[inline(never)] // most speeds do not need it
-fn tanh(ratio: f64) -> f64 {
-    ComplexField::tanh(ratio)
 }
 
 /// sgn x, 0 at 0 [1].
@@ -258,7 +301,8 @@ mod tests {
 
     #[test]
     fn the_smooth_load_of_a_smeared_resistance_is_all_of_it_with_its_slope() {
-        let (road, grade) = (Params::TABLE_1.road, Grade::LEVEL.at(0.04));
+        let road = Params::TABLE_1.road;
+        let grade = Grade::NONE.at(&road, 0.04);
         for omega_w in [-40.0, -0.1, 0.0, 0.03, 1.0, 90.0] {
             let (load, slope) = road.smooth_load(omega_w, &grade);
             assert!((load - road.load_torque(omega_w, 0.04)).abs() < 1e-9);
@@ -269,13 +313,15 @@ mod tests {
     #[test]
     fn near_a_speed_the_load_is_what_it_is_there() {
         let road = Params::TABLE_1.road;
-        let mut grade = Grade::LEVEL.at(0.04);
+        let mut grade = Grade::NONE.at(&road, 0.04);
         for ratio in [-40.0, -22.05, -3.0, -0.3, 0.0, 0.01, 0.7, 4.0, 21.95, 30.0] {
             let omega_w = ratio * road.v_eps / road.r_w;
-            grade.travel(&road, omega_w);
+            let (here, here_slope) = grade.travel(&road, omega_w);
+            let (load, slope) = road.smooth_load(omega_w, &grade);
+            assert!((here - load).abs() < 1e-12 && (here_slope - slope).abs() < 1e-11);
             for change in [-0.3, -0.1, -0.05, -1e-9, 0.0, 0.02, 0.0999, 5.0] {
                 let omega_w = (ratio + change) * road.v_eps / road.r_w;
-                let (near, near_slope) = road.smeared_load_near(omega_w, &grade);
+                let (near, near_slope) = road.load_near(omega_w, &grade);
                 let (load, slope) = road.smooth_load(omega_w, &grade);
                 assert!((near - load).abs() < 1e-12, "{ratio} {change}");
                 assert!((near_slope - slope).abs() < 1e-11, "{ratio} {change}");
@@ -289,9 +335,9 @@ mod tests {
             v_eps: 0.0,
             ..Params::TABLE_1.road
         };
-        let grade = Grade::LEVEL.at(0.03);
-        let (fast, dry) = (20.0, road.dry_rolling(&grade));
-        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(&grade) == 0.0);
+        let grade = Grade::NONE.at(&road, 0.03);
+        let (fast, dry) = (20.0, road.dry_rolling(grade.cos));
+        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(grade.cos) == 0.0);
         for omega_w in [fast, -fast] {
             let whole = road.smooth_load(omega_w, &grade).0 + dry * omega_w.signum();
             let smeared = Params::TABLE_1.road.load_torque(omega_w, 0.03);

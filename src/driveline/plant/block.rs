@@ -99,7 +99,7 @@ impl Block {
         factor: [f64; 2],
     ) -> Self {
         let input_end = input.after(rate, rung.t);
-        let grade = plant.grade.at(input.phi);
+        let grade = plant.grade.at(&p.road, input.phi);
         let (t_v, _) = input.load_torque(p, &grade, plant.x[W], plant.brake.direction());
         let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
         let v = plant.with_synchronisers(p, v);
@@ -114,7 +114,7 @@ impl Block {
             input: *input,
             input_end,
             rate: *rate,
-            grade_end: grade.at(input_end.phi),
+            grade_end: grade.at(&p.road, input_end.phi),
         }
     }
 
@@ -228,7 +228,7 @@ impl Block {
             } else {
                 &self.input
             };
-            let grade = self.grade_end.at(input.phi);
+            let grade = self.grade_end.at(&p.road, input.phi);
             let x_dot = system.derivative(&x, &v);
             guards[BRAKE] = brake::guards(p, &grade, brake, &x, &x_dot, input, &self.rate);
         }

@@ -36,12 +36,12 @@ impl Input {
 
     /// Largest dry friction torque at the wheels [N·m], ≥ 0.
     fn brake_capacity(&self, p: &Params, grade: &Grade) -> f64 {
-        self.t_brake + p.road.dry_rolling(grade)
+        self.t_brake + p.road.dry_rolling(grade.cos)
     }
 
     /// Rate of [`Self::brake_capacity`] [N·m/s].
     fn brake_capacity_rate(p: &Params, grade: &Grade, rate: &InputRate) -> f64 {
-        let rolling = -p.road.dry_rolling(&Grade::LEVEL) * grade.sin * rate.phi;
+        let rolling = -p.road.dry_rolling(1.0) * grade.sin * rate.phi;
         rate.t_brake + rolling
     }
 }
@@ -103,7 +103,7 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
-        let grade = &self.grade.at(input.phi);
+        let grade = &self.grade.at(&p.road, input.phi);
         let capacity = input.brake_capacity(p, grade);
         let standing =
             self.brake == Mode::Stuck || event.wheel_reached || self.x[W].abs() <= STANDSTILL;

@@ -37,6 +37,11 @@ impl Mode {
         }
     }
 
+    /// Whether it is one of the two that slip.
+    pub(crate) const fn slips(self) -> bool {
+        matches!(self, Self::Forward | Self::Backward)
+    }
+
     pub(crate) const fn slipping(direction: f64) -> Self {
         if direction >= 0.0 {
             Self::Forward

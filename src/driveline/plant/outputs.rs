@@ -109,7 +109,7 @@ impl Plant {
         let grade = if self.grade.is_of(input.phi) {
             &self.grade
         } else {
-            turned = self.grade.at(input.phi);
+            turned = self.grade.at(&p.road, input.phi);
             &turned
         };
         if input.t_brake == 0.0 && p.road.v_eps > 0.0 {
@@ -123,7 +123,7 @@ impl Plant {
 /// Σ x², of two lanes.
 #[inline(never)] // by itself it takes pairs; beside other sums it would not
 fn squares(x: &State) -> f64 {
-    let mut lanes = [0.0; 2];
+    let mut lanes = [-0.0; 2]; // what a first sum leaves as it is
     for x in x.data.0[0].as_chunks::<2>().0 {
         lanes[0] += x[0] * x[0];
         lanes[1] += x[1] * x[1];

@@ -3,16 +3,24 @@
 use crate::integrate::Rung;
 use crate::plant::matrices::{Rows, State};
 use crate::rung::RAMP;
-use crate::rung::lanes::{Lanes, dot_apart};
+use crate::rung::lanes::{Lanes, dot, dot_apart};
 use crate::rung::start::{CLUTCH_RAMPS, COLUMNS};
 
-/// Rows for a clutch: its torque at the start and at the end of the rung [N·m], and at the start the rate of that
-/// torque [N·m/s] where it is engaged, else that of its slip [rad/s²].
+/// Rows for a clutch.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Watch([Lanes<CLUTCH_RAMPS>; 3]);
+pub(crate) struct Watch {
+    /// Its torque at the start and at the end of the rung [N·m], and at the start the rate of that torque [N·m/s]
+    /// where it is engaged, else that of its slip [rad/s²].
+    rows: [Lanes<CLUTCH_RAMPS>; 3],
+    /// What an entry by its size can make at most of that torque, at both ends and along the tangent at the start.
+    most: Lanes<CLUTCH_RAMPS>,
+}
 
 impl Watch {
-    pub(crate) const BLIND: Self = Self([Lanes::ZERO; 3]);
+    pub(crate) const BLIND: Self = Self {
+        rows: [Lanes::ZERO; 3],
+        most: Lanes::ZERO,
+    };
 
     /// For clutch `i`, `engaged` or not, of a driveline whose guards read `rows`.
     pub(crate) fn new(rung: &Rung, rows: &Rows, i: usize, engaged: bool) -> Self {
@@ -27,7 +35,7 @@ impl Watch {
             None => 0.0,
         };
         let held = State::zeros();
-        Self([
+        let rows = [
             Lanes(core::array::from_fn(|entry| torque(&held, entry))),
             Lanes(core::array::from_fn(|entry| {
                 let change = rung.change_by(entry);
@@ -37,18 +45,31 @@ impl Watch {
                 let by_ramp = if engaged { ramp(entry) } else { 0.0 };
                 rate.of_column(&held, COLUMNS[entry]) + by_ramp
             })),
-        ])
+        ];
+        let [start, end, rate] = &rows;
+        let most =
+            |entry: usize| (start[entry].abs() + rung.t * rate[entry].abs()).max(end[entry].abs());
+        Self {
+            rows,
+            most: Lanes(core::array::from_fn(most)),
+        }
     }
 
     /// What the rows read from the first entries of a start.
     #[inline(always)]
     pub(crate) fn read<const N: usize>(&self, z: &Lanes<N>) -> [f64; 3] {
-        [0, 1, 2].map(|row| dot_apart(&self.0[row], z))
+        [0, 1, 2].map(|row| dot_apart(&self.rows[row], z))
+    }
+
+    /// A bound of the torque [N·m] of an engaged clutch: at both ends, and where the tangent at the start leads to.
+    #[inline(always)]
+    pub(crate) fn most<const N: usize>(&self, z: &Lanes<N>) -> f64 {
+        dot(&self.most, &Lanes(z.map(f64::abs)))
     }
 
     /// The rate alone.
     pub(crate) fn rate<const N: usize>(&self, z: &Lanes<N>) -> f64 {
-        dot_apart(&self.0[2], z)
+        dot_apart(&self.rows[2], z)
     }
 }
 
