@@ -1,6 +1,7 @@
 //! Everything that can go wrong, the sentence the importer's log shows, and its `fmi2Status`.
 
-use crate::{Call, Failure, State};
+use crate::number::Number;
+use crate::{Call, Category, Failure, State};
 use core::fmt;
 
 /// `fmi2Status`, without `fmi2Pending`: every call is finished when it returns.
@@ -122,8 +123,17 @@ pub enum Error {
     Model(Failure),
     /// Bytes are not a serialised state of this FMU.
     Serialised(&'static str),
-    /// A pointer is null or misaligned, or a length is absurd.
+    /// A pointer is null or misaligned.
     Pointer(&'static str),
+    /// A call is to set or get more variables than there are.
+    Count(usize),
+    /// There is less room for the bytes of a state than it needs.
+    Size {
+        /// Bytes there is room for.
+        size: usize,
+        /// Bytes of the state.
+        needed: usize,
+    },
     /// An FMU state was freed, is in use, is not of this FMU, or there is no room for another one.
     State,
     /// The same variable twice in one call.
@@ -160,8 +170,8 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::IllegalCall { call, state } => illegal(f, *call, *state),
+        match *self {
+            Self::IllegalCall { call, state } => illegal(f, call, state),
             Self::UnknownReference { reference, kind } => {
                 write!(
                     f,
@@ -177,14 +187,14 @@ impl fmt::Display for Error {
                 value,
                 min,
             } => {
-                write!(f, "{variable} = {value} is below {min}")
+                write!(f, "{variable} = {} is below {}", Number(value), Number(min))
             }
             Self::AboveMax {
                 variable,
                 value,
                 max,
             } => {
-                write!(f, "{variable} = {value} is above {max}")
+                write!(f, "{variable} = {} is above {}", Number(value), Number(max))
             }
             Self::NotAnItem {
                 variable,
@@ -203,38 +213,57 @@ impl fmt::Display for Error {
                 )
             }
             Self::Experiment { start, stop } => {
+                let (start, stop) = (Number(start), Number(stop));
                 write!(
                     f,
                     "stop time {stop} s does not lie after start time {start} s"
                 )
             }
             Self::StepTime { time, current } => {
+                let (time, current) = (Number(time), Number(current));
                 write!(
                     f,
                     "step starts at t = {time} s, but the model stands at {current} s"
                 )
             }
             Self::StepSize { step, time } => {
+                let (step, time) = (Number(step), Number(time));
                 write!(
                     f,
                     "step size {step} s does not advance time from t = {time} s"
                 )
             }
             Self::PastStop { end, stop } => {
+                let (end, stop) = (Number(end), Number(stop));
                 write!(f, "step ends at t = {end} s, after stop time {stop} s")
             }
-            Self::Model(failure) => failure.fmt(f),
+            Self::Model(ref failure) => failure.fmt(f),
             Self::Serialised(fault) => write!(f, "serialised FMU state {fault}"),
             Self::Pointer(argument) => write!(f, "argument {argument} is no valid pointer"),
+            Self::Count(count) => {
+                write!(f, "{count} value references are more than the model has")
+            }
+            Self::Size { size, needed } => {
+                write!(
+                    f,
+                    "argument size = {size} is below the state's {needed} bytes"
+                )
+            }
             Self::State => f.write_str("argument FMUstate is no live state of this FMU"),
             Self::Duplicate { variable } => write!(f, "{variable} is set twice in one call"),
-            Self::UnknownCategory => f.write_str("a log category is not in the model description"),
+            Self::UnknownCategory => unknown_category(f),
             Self::Instantiate(fault) => f.write_str(fault),
             Self::Guid => f.write_str("GUID differs: library and model description do not match"),
             Self::NotSupported(what) => write!(f, "{what} are not supported by this FMU"),
             Self::NoStatus(kind) => write!(f, "nothing is known under status kind {kind}"),
         }
     }
+}
+
+fn unknown_category(f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    f.write_str("a log category is none of")?;
+    let mut names = Category::ALL.into_iter().map(Category::name);
+    names.try_for_each(|name| write!(f, " {name}"))
 }
 
 fn illegal(f: &mut fmt::Formatter<'_>, call: Call, state: State) -> fmt::Result {

@@ -12,6 +12,7 @@ mod hash;
 mod instance;
 mod logger;
 pub mod model;
+mod number;
 mod request;
 mod row;
 mod saved;

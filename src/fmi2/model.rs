@@ -1,6 +1,7 @@
 //! What a model author writes: a struct, its table of rows, how it starts and how it steps.
 
 use crate::Variable;
+use crate::number::Number;
 use core::fmt;
 
 /// A model that the shell turns into an FMI 2.0 co-simulation FMU.
@@ -186,11 +187,13 @@ impl fmt::Display for Failure {
                 variable,
                 value,
                 remedy,
-            } => write!(f, "{variable} = {value} {remedy}"),
+            } => write!(f, "{variable} = {} {remedy}", Number(*value)),
             Self::Diverged { variable, time } => {
+                let time = Number(*time);
                 write!(f, "{variable} is no longer finite at t = {time} s")
             }
             Self::StepTooLong { step, longest } => {
+                let (step, longest) = (Number(*step), Number(*longest));
                 write!(f, "communicationStepSize = {step} s is above {longest} s")
             }
         }

@@ -71,12 +71,12 @@ impl<M: Model> Library<M> {
             instance.permit(Call::SerializeFMUstate)?;
             self.with_state(state, |saved| {
                 let saved = saved.to_bytes_under(self.table_hash());
-                if size < saved.len() {
-                    return Err(Error::Pointer("size"));
+                let needed = saved.len();
+                if size < needed {
+                    return Err(Error::Size { size, needed });
                 }
                 // SAFETY: the importer's promise; no more than the state's size is touched.
-                unsafe { slice_mut("serializedState", bytes, saved.len())? }
-                    .copy_from_slice(&saved);
+                unsafe { slice_mut("serializedState", bytes, needed)? }.copy_from_slice(&saved);
                 Ok(())
             })
         })

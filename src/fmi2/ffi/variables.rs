@@ -326,7 +326,7 @@ unsafe fn derivatives<'a>(
 /// Refuses counts that no call without repetition can have.
 fn plausible<M: Model>(count: usize) -> Result<(), Error> {
     if count > M::VARIABLES.len() {
-        Err(Error::Pointer("nvr"))
+        Err(Error::Count(count))
     } else {
         Ok(())
     }
