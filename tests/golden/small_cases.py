@@ -115,11 +115,24 @@ _HOT = {
     **{"stop": 3.2, "engine_speed": 95.0, "scenario_file": "launch_both"},
     "params": {"curves": (RISING, FALLING), "heat": HOT},
 }
+
+
+def _rigid(name, scenario, *start):
+    """A case with rigid transfer shafts, on the inputs of the compliant one."""
+    return Case(
+        *(f"{name}_rigid", scenario, *start),
+        **{"rigid": True, "row_every": 5e-3, "scenario_file": name},
+        about=f"{name} with rigid transfer shafts",
+    )
+
+
 SMALL_CASES = (
     Case("tie_up", TIE_UP, 2.4, 9.0, 0.15, about="both clutches close at low speed, stop, reopen"),
     Case("tie_up_rigid", TIE_UP, 2.4, 9.0, 0.15, rigid=True, about="tie-up of the rigid plant"),
     Case("break_away", BREAK_AWAY, 2.0, 240.0, 4.0, about="force drops: break-away and re-lock"),
+    _rigid("break_away", BREAK_AWAY, 2.0, 240.0, 4.0),
     Case("overrun", OVERRUN, 2.0, 150.0, 5.0, about="clutch 2 closes below speed: torque < 0"),
+    _rigid("overrun", OVERRUN, 2.0, 150.0, 5.0),
     Case("slip_reversal", REVERSAL, 2.0, 220.0, 4.0, about="lock, slip the other way, re-lock"),
     Case(
         *("slip_through_zero", THROUGH_ZERO, 1.5, 236.0, 4.0),
@@ -131,8 +144,11 @@ SMALL_CASES = (
         about="held 10 ms: slip crosses zero and returns within one step",
     ),
     Case("coast_grade", COAST, 3.0, 80.0, 0.8, about="open coast through zero speed, uphill"),
+    _rigid("coast_grade", COAST, 3.0, 80.0, 0.8),
     Case("hill_start", HILL, 3.5, 130.0, 0.0, about="roll-back on 10 %, then launch"),
+    _rigid("hill_start", HILL, 3.5, 130.0, 0.0),
     Case("hill_hold", HOLD, 4.0, 130.0, 0.0, about="hill start from the brake, with a roll-back"),
+    _rigid("hill_hold", HOLD, 4.0, 130.0, 0.0),
     Case(
         *("stop_and_hold", STOP, 3.0, 90.0, 1.5),
         **{"params": {"v_eps": 0.0}, "about": "brake to a stop; dry rolling resistance holds"},
@@ -193,9 +209,18 @@ SMALL_CASES = (
         about="hill_losses with rigid shafts: a roll-back that stops in jammed gears",
     ),
     Case("launch_both", BOTH, 2.5, 120.0, 0.0, about="launch on both clutches"),
+    _rigid("launch_both", BOTH, 2.5, 120.0, 0.0),
     Case("launch_h10", LAUNCH, **_LAUNCH, h=1e-2, row_every=1e-2, about="launch, held 10 ms"),
     Case("launch_h1", LAUNCH, **_LAUNCH, about="launch, held 1 ms"),
     Case("launch_h01", LAUNCH, **_LAUNCH, h=1e-4, about="launch, held 0.1 ms"),
+    *(
+        Case(
+            *(f"launch_rigid_{name}", LAUNCH),
+            **_LAUNCH | {"h": h, "row_every": 1e-2, "rigid": True},
+            about=f"launch, rigid plant, held {h * 1e3:g} ms",
+        )
+        for name, h in (("h10", 1e-2), ("h1", 1e-3), ("h01", 1e-4))
+    ),
     Case("launch_continuous", LAUNCH, **_LAUNCH, h=None, about="launch, knots as they are"),
     Case("fade_h10", BOTH, **_FADE, h=1e-2, row_every=1e-2, about="friction over slip, held 10 ms"),
     Case("fade_h1", BOTH, **_FADE, about="friction over slip, held 1 ms"),

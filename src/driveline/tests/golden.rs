@@ -178,6 +178,8 @@ macro_rules! held {
 held! {
     paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
     slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold gearbox reverse gears_rigid gearbox_losses reverse_losses upshift_losses hill_losses losses_rigid hill_rigid_losses launch_both launch_h10 launch_h1 launch_h01 last_step
+    break_away_rigid overrun_rigid coast_grade_rigid hill_start_rigid hill_hold_rigid launch_both_rigid
+    launch_rigid_h10 launch_rigid_h1 launch_rigid_h01
     fade_h10 fade_h1 fade_h01 fade_rigid hot_h10 hot_h1 hot_h01 stribeck
 }
 
@@ -213,16 +215,21 @@ fn derivatives_of_inputs_follow_the_continuous_scenario() {
     check(&Case::read("paper_continuous"), 1e-3, true);
 }
 
+/// With slopes a step of 10 ms misses the continuous launch by 0.019 rad/s, 0.25 N·m and 0.055 ms of the lock-up, without
+/// them one of 1 ms by 0.069 rad/s, 2.8 N·m and 0.62 ms (one of 10 ms: 6.2 ms, `tests/golden/README.md`).
 #[test]
-fn derivatives_of_inputs_give_10_ms_the_quality_of_1_ms() {
+fn derivatives_of_inputs_give_10_ms_better_than_the_quality_of_1_ms() {
+    const SHARE: f64 = 0.3;
     let case = Case::read("launch_continuous");
     let coarse = run(&case, 1e-2, true);
     let fine = run(&case, 1e-3, false);
-    assert!(
-        coarse.event <= fine.event && coarse.speed <= fine.speed,
-        "{coarse:?} {fine:?}"
-    );
-    assert!(coarse.torque <= fine.torque, "{coarse:?} {fine:?}");
+    for (slopes, held) in [
+        (coarse.event, fine.event),
+        (coarse.speed, fine.speed),
+        (coarse.torque, fine.torque),
+    ] {
+        assert!(slopes < SHARE * held, "{coarse:?} {fine:?}");
+    }
 }
 
 /// Runs of one case at 10, 1 and 0.1 ms, each against the reference with its inputs held as long.
@@ -237,11 +244,13 @@ fn orders(name: &str) -> [f64; 2] {
 
 #[test]
 fn convergence_is_of_second_order() {
-    let orders = orders("launch");
-    assert!(
-        orders.iter().all(|order| (1.9..2.1).contains(order)),
-        "{orders:?}"
-    );
+    for name in ["launch", "launch_rigid"] {
+        let orders = orders(name);
+        assert!(
+            orders.iter().all(|order| (1.9..2.1).contains(order)),
+            "{name}: {orders:?}"
+        );
+    }
 }
 
 /// Blocks of steps of 10 ms are cut as if these were shorter: only steps of 1 ms and less show the order.
