@@ -6,7 +6,7 @@ use crate::part::Part;
 use crate::plan::{Coupling, Plan};
 use crate::slopes::Slopes;
 use crate::world;
-use cosim_raw::Log;
+use cosim_raw::{Log, prefetch};
 use std::sync::Arc;
 
 /// Sweeps over the initial values, beyond one per component.
@@ -266,9 +266,14 @@ struct Recorder<'a> {
 impl Recorder<'_> {
     fn push(&mut self, world: &[f64], kept: Option<&[usize]>, good: bool) {
         let begin = self.done * self.width;
-        let Some(row) = self.rows.get_mut(begin..begin + self.width) else {
+        let Some((row, later)) = self
+            .rows
+            .get_mut(begin..)
+            .and_then(|rest| rest.split_at_mut_checked(self.width))
+        else {
             return;
         };
+        prefetch(later.get(..self.width).unwrap_or_default());
         match kept {
             None => row.copy_from_slice(world),
             Some(places) => row.iter_mut().zip(places).for_each(|(value, place)| {

@@ -12,9 +12,11 @@
 //! threads, its library is unloaded after it is freed, and the files of the FMU are the caller's to keep.
 
 mod log;
+mod memory;
 mod status;
 
 pub use log::{Log, MESSAGES, Message};
+pub use memory::prefetch;
 pub use status::Status;
 
 use fmi::fmi2::binding::{
