@@ -6,13 +6,14 @@ import csv
 import os
 import signal
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from dct_harness.errors import ConfigError
 from dct_harness.study_cases import Job
 from dct_harness.sweep_bundle import BLOBS, Bundle
-from dct_harness.sweep_dask import cluster
+from dct_harness.sweep_dask import HERE, RUN, SCRATCH, cluster
 from dct_harness.sweep_workers import Setup, run_one
 from distributed import LocalCluster
 from harness_fixture.lag_fmu import harness, write_system
@@ -38,23 +39,52 @@ def test_a_cluster_of_this_machine_gives_the_same_rows(tmp_path: Path, lag_dir: 
     assert {row["verdict"] for row in here} == {"exit 4", "not judged"}
 
 
-def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, lag_dir: Path) -> None:
-    """By address, as a cluster elsewhere; the runs of the dead worker are taken by the other."""
+def kill_one_amid_a_run(folder: Path) -> None:
+    """Kill a worker process as soon as a run of it has made its folder."""
+    end = time.monotonic() + 20
+    while not (made := list(folder.rglob(f"{RUN}*"))):
+        assert time.monotonic() < end, "no run has begun"
+        time.sleep(1e-3)
+    os.kill(int(made[0].name.removeprefix(RUN).split("-")[0]), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_worker_that_is_killed_loses_nothing_and_leaves_nothing(
+    tmp_path: Path, lag_dir: Path, monkeypatch: pytest.MonkeyPatch, elsewhere: bool
+) -> None:
+    """The runs of the dead worker are taken by another one; by address, as a cluster elsewhere."""
+    temporary = tmp_path / "tmp"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
     system = write_system(tmp_path, "0.3")
     jobs = [Job(k, {"plant.tau": 1.0 + k}, ("--set", f"plant.tau={1.0 + k}"))
             for k in range(RUNS)]  # fmt: skip
     setup = Setup(("run", system, "--fmu-dir", lag_dir), tmp_path / "out")
     files = [system, tmp_path / "s.csv", lag_dir / "Lag.fmu"]
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as place:
+    with ExitStack() as stack:
+        address = HERE
+        if elsewhere:
+            there = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+            address = stack.enter_context(there).scheduler_address
         found = []
-        for row in cluster(jobs, setup, files, place.scheduler_address, 1):
+        for row in cluster(jobs, setup, files, address, 2):
             if not found:
-                os.kill(place.workers[0].pid, signal.SIGKILL)
+                kill_one_amid_a_run(tmp_path)
             found.append(row)
     assert sorted(row["run"] for row in found) == list(range(RUNS))
     assert {row["verdict"] for row in found} == {"not judged"}
     alone = run_one(setup, jobs[3])
     assert next(row for row in found if row["run"] == 3) == alone
+    assert not [*tmp_path.rglob("dct-harness-*"), *tmp_path.rglob(SCRATCH)]
+
+
+def test_what_a_killed_sweep_left_goes_with_the_next_one(tmp_path: Path, lag_dir: Path) -> None:
+    left = tmp_path / "there" / SCRATCH / "dask-scratch-space" / "worker-of-old"
+    left.mkdir(parents=True)
+    write_system(tmp_path)
+    rows(tmp_path, lag_dir, "there", "--dask", "local", "--jobs", "2")
+    assert not (tmp_path / "there" / SCRATCH).exists()
 
 
 def test_a_file_travels_by_its_content_once_whatever_its_name(tmp_path: Path) -> None:

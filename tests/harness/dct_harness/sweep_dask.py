@@ -3,14 +3,18 @@
 Files travel by content: each goes once to each worker, whatever it is called and however many runs
 read it, and lies there under its SHA-256. A run whose worker dies is taken by another one; after
 some deaths it is recorded as lost.
+
+What runs unpack and write lies in the folder of their worker. That of a worker that was killed goes
+with the sweep, or, on a cluster elsewhere, when dask starts the next worker there.
 """
 
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +26,8 @@ from .sweep_workers import LOST, TRIES, Row, Setup, run_one
 
 HERE = "local"  # in place of an address: a cluster of this machine
 GRACE = "30 s"  # to find the scheduler
+RUN = "dct-harness-sweep-"  # what folders of a run begin with
+SCRATCH = "dask-scratch"  # in the folder of the sweep: folders of the workers of this machine
 
 
 def cluster(
@@ -38,9 +44,8 @@ def cluster(
     bundle = Bundle.of(files)
     with ExitStack() as stack:
         if address == HERE:
-            scratch = tempfile.TemporaryDirectory(prefix="dct-harness-dask-")
-            told = {"temporary-directory": stack.enter_context(scratch)}
-            stack.enter_context(dask_config.set(told))
+            scratch = stack.enter_context(_scratch(setup.folder / SCRATCH))
+            stack.enter_context(dask_config.set({"temporary-directory": str(scratch)}))
             place: Any = stack.enter_context(cluster_type(
                 n_workers=count, threads_per_worker=1, dashboard_address=None))  # fmt: skip
         else:
@@ -60,6 +65,17 @@ def cluster(
                 yield {"run": job.number, **job.chosen, "verdict": LOST}
 
 
+@contextmanager
+def _scratch(folder: Path) -> Iterator[Path]:
+    """Yield an empty folder; it goes at the end or, after SIGKILL, when the next sweep begins."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    try:
+        yield folder.resolve()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 def _dask() -> tuple[Any, Any, Any, Any, Any]:
     try:
         from dask import config
@@ -71,10 +87,13 @@ def _dask() -> tuple[Any, Any, Any, Any, Any]:
 
 
 def _apart(job: Job, setup: Setup, bundle: Bundle, blobs: dict[str, bytes]) -> Row:
-    """Run once on a worker; the files stay in the worker's folder, which goes with it."""
+    """Run once on a worker; all its files are in the worker's folder, which goes with it."""
     from distributed import get_worker
 
-    root = bundle.unpack(Path(get_worker().local_directory), blobs)
-    with tempfile.TemporaryDirectory(prefix=f"dct-harness-sweep-{os.getpid()}-") as out:
+    own = get_worker().local_directory
+    # For all runs of this process: FMUs are unpacked into it, by Python and by the compiled master.
+    os.environ["TMPDIR"] = tempfile.tempdir = own
+    root = bundle.unpack(Path(own), blobs)
+    with tempfile.TemporaryDirectory(prefix=f"{RUN}{os.getpid()}-") as out:
         there = replace(setup, common=bundle.moved(setup.common, root), folder=Path(out))
         return run_one(there, job._replace(words=bundle.moved(job.words, root)))
