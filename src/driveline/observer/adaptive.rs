@@ -32,6 +32,17 @@ pub struct Design {
     pub l_c: [f64; 2],
 }
 
+/// What the gains of a step may depend on.
+#[derive(Debug, Clone, Copy)]
+pub struct At {
+    /// The model of the gears at hand.
+    pub model: Reduced,
+    /// That of the lowest gears of Table 1, which gains are given for.
+    pub lowest: Reduced,
+    /// The clutch that is engaged alone, of a known friction: the damper tells how its torque moves.
+    pub told: Option<usize>,
+}
+
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adaptive {
@@ -51,6 +62,8 @@ pub struct Adaptive {
     pub f_n: [f64; 2],
     /// r_c N θ_m of the last instant [m²], shape (2); 0 below the touch point.
     pub arm: [f64; 2],
+    /// Slip of the last instant [rad/s], shape (2).
+    pub slip: [f64; 2],
     /// Time for which a friction has been at its bound [s].
     pub saturated: f64,
     /// g of the last sample; x1 and x2 are defined by it.
@@ -93,6 +106,7 @@ impl Default for Adaptive {
             friction: Friction::nominal([0.0; 2]),
             f_n: [0.0; 2],
             arm: [0.0; 2],
+            slip: [0.0; 2],
             saturated: 0.0,
             g: [1.0; 2],
             monitor: Monitor::default(),
@@ -108,7 +122,7 @@ impl Adaptive {
         p: &Params,
         settings: &Settings,
         sample: &Sample,
-        design: impl FnOnce(&Reduced, &Reduced) -> Design,
+        design: impl FnOnce(&At) -> Design,
     ) -> Estimate {
         *self = Self {
             friction: Friction::nominal(settings.mu_n),
@@ -120,6 +134,7 @@ impl Adaptive {
         }
         let y = self.measured(p, sample);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
+        self.slip = sample.slip();
         self.lock.start(p, sample);
         self.monitor.start(p, sample);
         let mut now = self.now(p, sample, design);
@@ -127,15 +142,14 @@ impl Adaptive {
         self.estimate(p, settings, sample, &now)
     }
 
-    /// Advances by `h` [s] with the gains that `design` gives for the model of the gears at hand and
-    /// that of the lowest gears of Table 1.
+    /// Advances by `h` [s] with the gains that `design` gives.
     pub fn step(
         &mut self,
         p: &Params,
         settings: &Settings,
         sample: &Sample,
         h: f64,
-        design: impl FnOnce(&Reduced, &Reduced) -> Design,
+        design: impl FnOnce(&At) -> Design,
     ) -> Estimate {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.refuse();
@@ -146,7 +160,7 @@ impl Adaptive {
         let t_c = self.torques(settings, &now.levers).1;
         self.lock.step(p, sample, t_c, h);
         if settings.adapts {
-            self.recall(settings, sample, &now.levers, engaged);
+            self.recall(p, settings.mu_n, sample, &now.levers, engaged, h);
             self.adapt(&now, settings.mu_n, h);
         }
         now.t_v = self.load.step(p, settings.load, sample, &self.lock, h);
@@ -170,23 +184,26 @@ impl Adaptive {
         self.friction.visit(visit);
         self.f_n.iter_mut().for_each(&mut *visit);
         self.arm.iter_mut().for_each(&mut *visit);
+        self.slip.iter_mut().for_each(&mut *visit);
         visit(&mut self.saturated);
         self.g.iter_mut().for_each(&mut *visit);
         self.monitor.visit(visit);
     }
 
-    fn now(
-        &self,
-        p: &Params,
-        sample: &Sample,
-        design: impl FnOnce(&Reduced, &Reduced) -> Design,
-    ) -> Now {
+    fn now(&self, p: &Params, sample: &Sample, design: impl FnOnce(&At) -> Design) -> Now {
         let model = Reduced::referred_to(p, p.g(sample.gear), self.g[1], p.c_o);
         let table = Params::TABLE_1;
-        let reference = Reduced::new(&table, lowest_ratios(&table), table.c_o);
-        let mut design = design(&model, &reference);
+        let at = At {
+            model,
+            lowest: Reduced::new(&table, lowest_ratios(&table), table.c_o),
+            told: self
+                .lock
+                .alone(p, sample)
+                .filter(|i| self.friction.known(*i)),
+        };
+        let mut design = design(&at);
         let a = model.a_slip();
-        let scale = gain_scale(p, a, &reference);
+        let scale = gain_scale(p, a, &at.lowest);
         design.l_c = [0, 1].map(|i| design.l_c[i] * scale[i]);
         Now {
             levers: [0, 1].map(|i| Lever::new(p, sample, i)),
@@ -261,50 +278,6 @@ impl Adaptive {
             + discrete.gamma_delta * now.t_v
             + discrete.gamma_y * sample.t_y
             + discrete.gamma_l * innovation;
-    }
-
-    /// ε̂ of slipping clutches whose friction is known: μ̂, not ε̂, is what stays while the actuator moves.
-    ///
-    /// A clutch that begins to slip takes the friction learnt in its last slip, against the slip.
-    ///
-    /// Deviation: the paper takes ε̂ as slow (ε̇ ≈ 0), but f_n changes with the position, so ε̂ of a wrong
-    /// friction does too; and it lets (29) find each slip anew, from what it adapted in the engaged
-    /// clutch, with the wrong sign where the slip is negative (erratum E8).
-    fn recall(
-        &mut self,
-        settings: &Settings,
-        sample: &Sample,
-        levers: &[Lever; 2],
-        engaged: [bool; 2],
-    ) {
-        let beyond = self.lock.slips(sample);
-        for (i, slip) in sample.slip().into_iter().enumerate() {
-            let (before, now) = (self.f_n[i], levers[i].f_n);
-            let slips = now > 0.0 && beyond[i] && self.friction.known(i);
-            if slips && (before == 0.0 || engaged[i]) {
-                let mu = self.friction.mu[i] * slip.signum();
-                self.epsilon[i] = (mu - settings.mu_n[i]) * now;
-            } else if slips {
-                self.epsilon[i] *= now / before;
-            } else if before > 0.0 && engaged[i] && !beyond[i] && levers[1 - i].f_n == 0.0 {
-                self.keep_torque(i, settings.mu_n[i], &levers[i]);
-            }
-            (self.f_n[i], self.arm[i]) = (now, levers[i].arm);
-        }
-    }
-
-    /// ε̂ of the engaged clutch `i`, alone under force, whose friction is known: what stays while the actuator moves
-    /// is its torque, which is what the driveline needs, up to what the friction can carry.
-    ///
-    /// Deviation: with ε̂' ≈ 0 the torque of a clutch that is pressed home after it engaged rose with f_n, and (29) had
-    /// to take it back. In a handover it is right to fall with f_n: the other clutch takes over.
-    fn keep_torque(&mut self, i: usize, mu_n: f64, lever: &Lever) {
-        if lever.f_n > 0.0 && self.friction.known(i) {
-            let mu_f = mu_n * self.f_n[i] + self.epsilon[i];
-            let most = Friction::STATIC * self.friction.mu[i] * lever.f_n;
-            let kept = (mu_f * self.arm[i] / lever.arm).clamp(-most, most);
-            self.epsilon[i] = kept - mu_n * lever.f_n;
-        }
     }
 
     fn discrete(&mut self, model: &Reduced, l: &SMatrix<f64, 3, 2>, h: f64) -> &Discrete {

@@ -34,7 +34,7 @@
 //! wheel-speed bias of 0.01 rad/s gives an error of 111 %. V scales, so p1 = 1 here.
 
 use crate::Params;
-use crate::observer::adaptive::{Adaptive, Design};
+use crate::observer::adaptive::{Adaptive, At, Design};
 use crate::observer::schedule::scaled;
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use crate::reduced::Reduced;
@@ -122,15 +122,15 @@ pub struct Lyapunov {
 }
 
 /// Gains for a step `h` [s].
-fn design(settings: &Settings, h: f64, model: &Reduced, lowest: &Reduced) -> Design {
+fn design(settings: &Settings, h: f64, at: &At) -> Design {
     let gains = if settings.scheduled {
         settings.lyapunov.at_step(h)
     } else {
         settings.lyapunov
     };
-    let gains = gains.in_gear(model, lowest);
+    let gains = gains.in_gear(&at.model, &at.lowest);
     Design {
-        l: gains.l(model),
+        l: gains.l(&at.model),
         weight: [1.0, gains.p_2],
         l_c: gains.l_c,
     }
@@ -138,12 +138,12 @@ fn design(settings: &Settings, h: f64, model: &Reduced, lowest: &Reduced) -> Des
 
 impl Observer for Lyapunov {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let design = |model: &_, lowest: &_| design(settings, 1e-3, model, lowest);
+        let design = |at: &_| design(settings, 1e-3, at);
         self.core.start(p, settings, sample, design)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let design = |model: &_, lowest: &_| design(settings, h, model, lowest);
+        let design = |at: &_| design(settings, h, at);
         self.core.step(p, settings, sample, h, design)
     }
 

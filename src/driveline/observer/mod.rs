@@ -33,6 +33,7 @@ pub mod monitor;
 pub mod paper;
 pub mod phase;
 pub mod prior;
+mod recall;
 mod schedule;
 pub mod select;
 pub mod shift;

@@ -40,7 +40,7 @@ fn run(
 
 /// Limits [% of RMS], T_c1/T_c2/T_o, of 4096 ticks and of 1024.
 const LIMITS: [(Method, [[f64; 3]; 2]); 5] = [
-    (Method::Paper, [[9.0, 5.0, 2.8], [15.0, 10.0, 4.5]]),
+    (Method::Paper, [[7.5, 5.0, 2.8], [12.5, 9.0, 4.5]]),
     (Method::Lyapunov, [[12.0, 6.0, 4.0], [20.0, 14.0, 5.5]]),
     (Method::Energy, [[2.5, 3.0, 3.0], [4.5, 4.5, 4.0]]),
     (Method::Kalman, [[3.5, 2.6, 1.6], [5.0, 4.5, 2.7]]),
