@@ -17,7 +17,8 @@ use crate::observer::load::Load;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::schedule::{gain_scale, lowest_ratios};
-use crate::observer::{Estimate, Sample, Settings, Visit, common_estimate};
+use crate::observer::standstill::held;
+use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
 use crate::reduced::{Discrete, Reduced};
 use nalgebra::{SMatrix, Vector2, Vector3};
 
@@ -164,8 +165,10 @@ impl Adaptive {
             self.adapt(&now, settings.mu_n, h);
         }
         now.t_v = self.load.step(p, settings.load, sample, &self.lock, h);
+        let y = self.measured(p, sample);
+        now.model.j_v = self.j_v(p, sample, y, now.t_v);
         self.predict(settings, sample, &now, h);
-        self.innovation = self.measured(p, sample) - self.x_hat.fixed_rows::<2>(0);
+        self.innovation = y - self.x_hat.fixed_rows::<2>(0);
         let mu_hat = self.mu_hat(settings, &now.levers);
         let (engaged, e) = (self.lock.engaged(), self.innovation.into());
         self.friction.learn(p, sample, engaged, mu_hat, h);
@@ -266,6 +269,15 @@ impl Adaptive {
             bounded |= self.epsilon[i] != free;
         }
         self.saturated = if bounded { self.saturated + h } else { 0.0 };
+    }
+
+    /// J_v of (14), (15): that of a wheel which nothing moves while the brake holds it [kg·m²].
+    ///
+    /// ω̂_w is ω_o less x̂2: what x̂2 averages, one sample of ω_w does not.
+    fn j_v(&self, p: &Params, sample: &Sample, y: Vector2<f64>, t_v: f64) -> f64 {
+        let omega_w = sample.omega_w + y[1] - self.x_hat[1];
+        let t_v = t_v - brake(p, sample);
+        held(p, sample, omega_w, self.x_hat[2], t_v).map_or(p.j_v, |standing| standing.j_v)
     }
 
     /// (19) over one step with the innovation held.

@@ -94,6 +94,8 @@ fn methods_are_within_their_limits_on_drives_by_chance() {
 fn torques_are_followed_against_a_brake_that_holds_the_wheel() {
     let drive = scenarios::hill_hold().drive(1e-3);
     for (method, clean, noisy) in [
+        (Method::Paper, [0.7, 0.0, 1.1], [4.5, 0.0, 3.5]),
+        (Method::Lyapunov, [0.7, 0.0, 1.0], [8.0, 0.0, 3.8]),
         (Method::Energy, [0.6, 0.0, 1.0], [1.5, 0.0, 2.2]),
         (Method::Kalman, [0.8, 0.0, 0.5], [2.5, 0.0, 1.0]),
         (Method::Calibrating, [0.9, 0.0, 1.2], [2.2, 0.0, 1.8]),
