@@ -123,6 +123,11 @@ impl Plant {
         self.meshes = Meshes { load, output };
     }
 
+    /// Whether both clutches are engaged in gears of two ratios, behind which nothing turns.
+    pub(crate) fn is_tied(&self, p: &Params) -> bool {
+        self.modes == [Mode::Stuck; 2] && self.coupling().ties(p)
+    }
+
     /// Whether the output stands, and might jam, after `event`.
     pub(crate) fn output_stands(&self, event: &Event) -> bool {
         let speed = self.x[O].abs();
@@ -183,8 +188,8 @@ impl Plant {
             let turns = guard(self.meshes.output.direction(), x[O], rate.0[O]);
             return [load(0), load(1), turns, Guard::QUIET];
         }
-        if p.rigid && self.modes == [Mode::Stuck; 2] {
-            return [Guard::QUIET; 4]; // two ratios at once: nothing turns
+        if self.is_tied(p) {
+            return [Guard::QUIET; 4];
         }
         let urge = self.urges(p, x, torque);
         let urge_rate = self.passed_on(p, torque, torque_rate);

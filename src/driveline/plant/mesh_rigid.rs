@@ -88,8 +88,7 @@ impl Plant {
         let output = self.meshes.output;
         if output == Mode::Stuck {
             let [forward, backward] = self.urges(p, &self.x, torque);
-            return self.modes == [Mode::Stuck; 2]
-                || forward <= GUARD_TOLERANCE && backward >= -GUARD_TOLERANCE;
+            return self.is_tied(p) || forward <= GUARD_TOLERANCE && backward >= -GUARD_TOLERANCE;
         }
         let loaded = |i: usize| self.meshes.load[i].direction() * torque[i] >= -GUARD_TOLERANCE;
         let leaves = !standing || output.direction() * system.rate(O, &self.x, &v) > 0.0;
