@@ -8,7 +8,8 @@
 //! ```
 //!
 //! which a large torque takes beyond any fixed threshold. So a clutch that has locked may swing by as much. It has
-//! locked once its slip has met 0, or stayed small for a while; one that breaks away does neither. One that was found
+//! locked once its slip has met 0, which a swing may take beyond the band before the next sample is taken, or stayed
+//! small for a while; one that breaks away does neither. One that was found
 //! to carry more than its friction ([`Lock::bear`]) slips until its slip has met 0, however small it is. A
 //! synchroniser on the other shaft kicks J_out against damper and drive shaft, by at most
 //!
@@ -139,7 +140,12 @@ impl Lock {
     pub fn slips(&self, sample: &Sample) -> [bool; 2] {
         let slip = sample.slip();
         [0, 1].map(|i| {
-            let swing = if self.holds(i) { self.swing[i] } else { 0.0 };
+            let meets = slip[i] * self.direction[i] <= 0.0 && !self.freed[i];
+            let swing = if self.holds(i) || meets {
+                self.swing[i]
+            } else {
+                0.0
+            };
             slip[i].abs() >= SLIP + swing
         })
     }
@@ -276,6 +282,18 @@ mod tests {
             lock.bear(&p, 0, 10.0, 15.0, handover);
             assert_eq!(lock.holds(0), holds, "{slip} rad/s, {handover}");
         }
+    }
+
+    /// 190 N·m lock between two samples of 100 Hz, and the swing shows at once as a slip the other way.
+    #[test]
+    fn a_slip_that_has_met_0_may_swing_from_the_first_sample_on() {
+        let (p, mut lock) = (Params::TABLE_1, Lock::default());
+        for slip in [12.0, 6.0, 1.0, -4.7] {
+            lock.step(&p, &sample(slip), [190.0, 0.0], 1e-2);
+        }
+        assert!(lock.holds(0) && lock.direction[0] > 0.0);
+        lock.step(&p, &sample(-20.0), [190.0, 0.0], 1e-2);
+        assert!(!lock.holds(0) && lock.direction[0] < 0.0);
     }
 
     #[test]

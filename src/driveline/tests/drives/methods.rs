@@ -152,16 +152,16 @@ fn pressures_are_followed_through_three_gears() {
 
 /// Friction over slip and temperature as the presets have them, which no observer knows; nothing was tuned on them.
 ///
-/// At 100 Hz `energy` misses its goal on dry7_fade (7/8/4 %): clutch 2 locks at 190 N·m and its measured slip goes from 1
-/// to −4.7 rad/s, by the swing of the damper, from one sample to the next; that is taken as a slip the other way for 60 ms.
+/// At 100 Hz clutch 2 of dry7_fade locks at 190 N·m and its measured slip goes from 1 to −4.7 rad/s, by the swing of the
+/// damper, from one sample to the next: taken as a slip the other way, it took T_c2 of `energy` to 19 %.
 #[test]
 fn linings_that_follow_slip_and_heat_are_followed() {
     let limits = [
-        ([6.0, 9.0, 3.5], [6.5, 15.5, 7.0]),
+        ([6.0, 9.0, 3.5], [6.5, 11.0, 6.2]),
         ([6.0, 10.0, 6.3], [12.0, 20.0, 14.0]),
-        ([2.0, 3.0, 1.5], [5.0, 20.0, 10.0]),
-        ([1.5, 2.1, 0.5], [2.0, 3.0, 1.0]),
-        ([1.8, 2.1, 0.8], [2.5, 4.5, 1.8]),
+        ([2.0, 3.0, 1.5], [5.0, 5.0, 2.3]),
+        ([1.5, 2.1, 0.5], [2.0, 2.2, 1.0]),
+        ([1.8, 2.1, 0.8], [2.5, 3.3, 1.3]),
     ];
     for h in [1e-3, 1e-2] {
         for scenario in [wet::wet_6_fade(), faded::dry_7_fade(), faded::dry_7_hot()] {
