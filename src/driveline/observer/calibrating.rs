@@ -47,7 +47,7 @@ use crate::observer::anchor::{Anchor, WITNESSES};
 use crate::observer::calibrating_model::{
     BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, Vector, View,
 };
-use crate::observer::filter::{Belief, row};
+use crate::observer::filter::{Belief, Terms};
 use crate::observer::friction::SETTLING;
 use crate::observer::friction_map::{FrictionMap, POINTS};
 use crate::observer::grip::{Grip, Hold};
@@ -176,7 +176,7 @@ impl Observer for Calibrating {
             return self.refuse(settings);
         }
         let (p, sample) = &settings.calibrating.prior.correct(p, sample);
-        self.tracker.start(p, sample, &wheel());
+        self.tracker.start(p, sample, WHEEL);
         let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
         self.estimate(p, settings, sample)
@@ -187,7 +187,7 @@ impl Observer for Calibrating {
             return self.refuse(settings);
         }
         let (p, sample) = &settings.calibrating.prior.correct(p, sample);
-        self.tracker.follow(p, sample, &wheel(), h);
+        self.tracker.follow(p, sample, WHEEL, h);
         let hold = self
             .grip
             .step(p, sample, &self.tracker.lock, self.tracker.engaged);
@@ -196,7 +196,7 @@ impl Observer for Calibrating {
         let moving = standing.as_ref().unwrap_or(p);
         self.predict(moving, settings, sample, hold, h);
         let sensor = settings.calibrating.sensor;
-        self.tracker.correct(p, sample, sensor, &wheel(), h);
+        self.tracker.correct(p, sample, sensor, WHEEL, h);
         self.tracker.remember(p, sample, hold, h);
         let bounded = self.project();
         let monitor = &mut self.tracker.monitor;
@@ -258,7 +258,7 @@ impl Calibrating {
         let (lever, slipping) = (self.grip.lever, self.tracker.friction.slipping);
         for i in (0..2).filter(|i| slipping[*i] >= SETTLING && lever[1 - i] <= 0.0) {
             let torque = self.tracker.t_c[i] * sample.slip()[i].signum();
-            let deviation = self.tracker.belief.deviation(&row(&[(T_C + i, 1.0)])) / lever[i];
+            let deviation = self.tracker.belief.deviation(&[(T_C + i, 1.0)]) / lever[i];
             let theta = p.clutch[i].reached(sample.actuation[i]);
             let mu = torque / lever[i];
             self.map[i].learn(&p.clutch[i].map, theta, mu, deviation * deviation, h);
@@ -348,6 +348,4 @@ impl Calibrating {
 }
 
 /// What the wheel sensor shows of the states.
-fn wheel() -> Vector {
-    row(&[(W_W, 1.0), (BIAS, 1.0)])
-}
+const WHEEL: Terms<'_> = &[(W_W, 1.0), (BIAS, 1.0)];

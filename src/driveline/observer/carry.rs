@@ -20,7 +20,7 @@
 
 use crate::Params;
 use crate::observer::Sample;
-use crate::observer::filter::{Belief, row};
+use crate::observer::filter::Belief;
 use crate::observer::grip::Hold;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::Speeds;
@@ -118,7 +118,7 @@ impl<const N: usize> Tracker<N> {
                 let torque = self.friction.mu[i] * now * self.lock.direction[i];
                 let sigma = REMEMBERED * torque.abs() + OPEN;
                 self.measure(
-                    &row(&[(T_C + i, 1.0)]),
+                    &[(T_C + i, 1.0)],
                     torque,
                     sigma * sigma * (LASTS / h).max(1.0),
                 );

@@ -38,7 +38,7 @@
 //! assert!((sample.omega_w - 10.0).abs() < 0.05);
 //! ```
 
-use crate::observer::filter::{Belief, row};
+use crate::observer::filter::Belief;
 use crate::observer::monitor::PATIENCE;
 use crate::observer::{Sample, Settings, Visit};
 use core::f64::consts::TAU;
@@ -105,7 +105,7 @@ impl Encoder {
         let between = (tick / self.belief.x[1].abs()).min(RARE).max(h);
         let variance = r * between / h;
         let behind = -self.belief.x[0];
-        self.belief.correct(&row(&[(0, 1.0)]), behind, variance);
+        self.belief.correct(&[(0, 1.0)], behind, variance);
         self.settle(reading);
         [self.belief.x[1], believed(jerk, r * between, h)]
     }

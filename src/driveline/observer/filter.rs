@@ -60,29 +60,37 @@ impl<const N: usize> Belief<N> {
     ///
     /// P⁺ = P − K S Kᵀ, symmetric as written. Returns residual²/S, which is 1 in the mean where the
     /// filter is right about itself.
-    pub fn correct(&mut self, h: &SVector<f64, N>, residual: f64, r: f64) -> f64 {
-        let p_h = self.p * h;
-        let s = h.dot(&p_h) + r;
+    pub fn correct(&mut self, h: Terms<'_>, residual: f64, r: f64) -> f64 {
+        let p_h = self.column(h);
+        let s = along(h, &p_h) + r;
         let k = p_h / s;
         self.x += k * residual;
         self.p -= k * p_h.transpose();
         residual * residual / s
     }
 
+    /// P h, shape (N).
+    fn column(&self, h: Terms<'_>) -> SVector<f64, N> {
+        let mut sum = SVector::zeros();
+        for (j, factor) in h {
+            sum += self.p.column(*j) * *factor;
+        }
+        sum
+    }
+
     /// Standard deviation of hᵀ x.
-    pub fn deviation(&self, h: &SVector<f64, N>) -> f64 {
-        let variance = h.dot(&(self.p * h));
+    pub fn deviation(&self, h: Terms<'_>) -> f64 {
+        let variance = along(h, &self.column(h));
         ComplexField::sqrt(variance.max(0.0))
     }
 }
 
-/// A row of zeros with these entries.
-pub fn row<const N: usize>(terms: &[(usize, f64)]) -> SVector<f64, N> {
-    let mut row = SVector::zeros();
-    for (j, factor) in terms {
-        row[*j] = *factor;
-    }
-    row
+/// h as the entries that are not 0: where they stand, and what they are. A sensor shows one or two states of all.
+pub type Terms<'a> = &'a [(usize, f64)];
+
+/// hᵀ x.
+pub fn along<const N: usize>(h: Terms<'_>, x: &SVector<f64, N>) -> f64 {
+    h.iter().map(|(j, factor)| factor * x[*j]).sum()
 }
 
 /// The free motion over a step: Φ = exp(A h) and Γ = ∫ exp(A t) dt, shape (4, 4), both clutches free.
@@ -151,7 +159,7 @@ pub fn with_damper<const N: usize>(motion: &Motion<N>, model: &Speeds, h: f64) -
 
 #[cfg(test)]
 mod tests {
-    use super::{Belief, Flow, Motion, row, with_damper};
+    use super::{Belief, Flow, Motion, with_damper};
     use crate::Params;
     use crate::observer::speeds::Speeds;
     use crate::reduced::exponential;
@@ -227,12 +235,12 @@ mod tests {
     #[test]
     fn measurements_are_averaged_by_their_variances() {
         let mut belief = Belief::new(Vector2::new(0.0, 5.0), Vector2::new(1e6, 1.0));
-        let h = row(&[(0, 1.0)]);
+        let h = &[(0, 1.0)];
         for (z, r) in [(1.0, 1.0), (4.0, 2.0)] {
             let residual = z - belief.x[0];
-            belief.correct(&h, residual, r);
+            belief.correct(h, residual, r);
         }
         assert!((belief.x[0] - 2.0).abs() < 1e-9 && belief.x[1] == 5.0);
-        assert!((belief.deviation(&h).powi(2) - 2.0 / 3.0).abs() < 1e-4);
+        assert!((belief.deviation(h).powi(2) - 2.0 / 3.0).abs() < 1e-4);
     }
 }

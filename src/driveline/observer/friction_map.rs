@@ -95,7 +95,8 @@ impl FrictionMap {
         let (belief, w) = (&mut self.0, weights(map, theta));
         belief.p.add_scalar_mut(WALK * h);
         let missed = mu - w.dot(&belief.x);
-        belief.correct(&w, missed, variance * (TAU / h).max(1.0));
+        let shown = [0, 1, 2, 3, 4].map(|j| (j, w[j]));
+        belief.correct(&shown, missed, variance * (TAU / h).max(1.0));
     }
 
     /// μ at the points [1], shape (5).

@@ -20,7 +20,7 @@
 //! seven states for g1 ≠ g2. What the model does not say is not covered: T_e and J_e errors go straight into T_c.
 
 use crate::Params;
-use crate::observer::filter::{Flow, Motion, Rows, row, with_damper};
+use crate::observer::filter::{Flow, Motion, Rows, Terms, with_damper};
 use crate::observer::grip::{Grip, Hold};
 use crate::observer::speeds::Speeds;
 use crate::observer::tracker::{SHARED, START, T_C, Tracker, W_W};
@@ -118,7 +118,7 @@ impl Observer for Kalman {
         if !sample.is_finite() {
             return self.tracker.refuse();
         }
-        self.tracker.start(p, sample, &wheel());
+        self.tracker.start(p, sample, WHEEL);
         self.tracker
             .estimate(p, settings, sample, &self.model(p, sample))
     }
@@ -127,7 +127,7 @@ impl Observer for Kalman {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.tracker.refuse();
         }
-        self.tracker.follow(p, sample, &wheel(), h);
+        self.tracker.follow(p, sample, WHEEL, h);
         let hold = self
             .grip
             .step(p, sample, &self.tracker.lock, self.tracker.engaged);
@@ -135,7 +135,7 @@ impl Observer for Kalman {
         let standing = self.tracker.held(p, sample, p.c_o);
         self.predict(standing.as_ref().unwrap_or(p), settings, sample, hold, h);
         let sigma = settings.kalman.sigma;
-        self.tracker.correct(p, sample, sigma, &wheel(), h);
+        self.tracker.correct(p, sample, sigma, WHEEL, h);
         self.tracker.remember(p, sample, hold, h);
         let model = self.model(p, sample);
         self.tracker.watch(p, settings, sample, &model, h);
@@ -184,6 +184,4 @@ impl Kalman {
 }
 
 /// What the wheel sensor shows of the states.
-fn wheel() -> Vector {
-    row(&[(W_W, 1.0)])
-}
+const WHEEL: Terms<'_> = &[(W_W, 1.0)];

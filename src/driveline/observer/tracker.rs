@@ -6,7 +6,7 @@
 //! enters: μ̂ is T̂_c over the force.
 
 use crate::Params;
-use crate::observer::filter::{Belief, row};
+use crate::observer::filter::{Belief, Terms, along};
 use crate::observer::friction::Friction;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
@@ -93,8 +93,8 @@ impl<const N: usize> Tracker<N> {
         }
     }
 
-    /// Starts from measurements. `wheel`: what the wheel sensor shows of the states, shape (N).
-    pub fn start(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>) {
+    /// Starts from measurements. `wheel`: what the wheel sensor shows of the states.
+    pub fn start(&mut self, p: &Params, sample: &Sample, wheel: Terms<'_>) {
         self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
         self.take_speeds(p, sample, wheel);
         self.lock.start(p, sample);
@@ -103,7 +103,7 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// Before the prediction: engaged clutches; speeds anew where a gear came in.
-    pub fn follow(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>, h: f64) {
+    pub fn follow(&mut self, p: &Params, sample: &Sample, wheel: Terms<'_>, h: f64) {
         if self.g != p.g(sample.gear) {
             self.take_speeds(p, sample, wheel);
         }
@@ -120,9 +120,9 @@ impl<const N: usize> Tracker<N> {
 
     /// Speeds from measurements: at the start, and when a gear comes in. What is known of parameters
     /// goes on, and the torques; their deviation is as at the start.
-    fn take_speeds(&mut self, p: &Params, sample: &Sample, wheel: &SVector<f64, N>) {
+    fn take_speeds(&mut self, p: &Params, sample: &Sample, wheel: Terms<'_>) {
         self.g = p.g(sample.gear);
-        let bias = wheel.dot(&self.belief.x) - self.belief.x[W_W];
+        let bias = along(wheel, &self.belief.x) - self.belief.x[W_W];
         let omega_w = sample.omega_w - bias;
         let speeds = [sample.omega_e, output_speed(self.g, sample), omega_w];
         let belief = &mut self.belief;
@@ -136,38 +136,31 @@ impl<const N: usize> Tracker<N> {
 
     /// Corrects by every speed, of deviation `sensor` [rad/s], and by clutches that are open, `h` [s] after
     /// the last ones.
-    pub fn correct(
-        &mut self,
-        p: &Params,
-        sample: &Sample,
-        sensor: f64,
-        wheel: &SVector<f64, N>,
-        h: f64,
-    ) {
+    pub fn correct(&mut self, p: &Params, sample: &Sample, sensor: f64, wheel: Terms<'_>, h: f64) {
         let (g, r, before) = (p.g(sample.gear), sensor * sensor, self.belief.x);
         self.innovation = [
             sample.omega_e - before[W_E],
             output_speed(g, sample) - before[W_O],
-            sample.omega_w - wheel.dot(&before),
+            sample.omega_w - along(wheel, &before),
         ];
-        let mut normalised = self.measure(&row(&[(W_E, 1.0)]), sample.omega_e, r);
+        let mut normalised = self.measure(&[(W_E, 1.0)], sample.omega_e, r);
         let mut count = 2.0;
         for i in (0..2).filter(|i| g[*i] != 0.0) {
-            normalised += self.measure(&row(&[(W_O, g[i])]), sample.omega_c[i], r);
+            normalised += self.measure(&[(W_O, g[i])], sample.omega_c[i], r);
             count += 1.0;
         }
         normalised += self.measure(wheel, sample.omega_w, r);
         self.surprise += (normalised / count - self.surprise) * (h / (h + MEMORY));
         for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
             if !pressed {
-                self.measure(&row(&[(T_C + i, 1.0)]), 0.0, OPEN * OPEN);
+                self.measure(&[(T_C + i, 1.0)], 0.0, OPEN * OPEN);
             }
         }
     }
 
     /// Corrects by a measurement `z` of hᵀ x, with variance `r`; returns innovation² over its variance.
-    pub fn measure(&mut self, h: &SVector<f64, N>, z: f64, r: f64) -> f64 {
-        self.belief.correct(h, z - h.dot(&self.belief.x), r)
+    pub fn measure(&mut self, h: Terms<'_>, z: f64, r: f64) -> f64 {
+        self.belief.correct(h, z - along(h, &self.belief.x), r)
     }
 
     /// After the correction: friction, and whether the inputs make sense.
@@ -225,17 +218,17 @@ impl<const N: usize> Tracker<N> {
         model: &Speeds,
     ) -> Estimate {
         let (x, c) = (&self.belief.x, model.c);
-        let t_o: SVector<f64, N> = row(&[(T_S, 1.0), (W_O, c), (W_W, -c)]);
+        let t_o = [(T_S, 1.0), (W_O, c), (W_W, -c)];
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
         let common = common_estimate(p, settings, sample, engaged, fault);
         let said = Estimate {
             t_c: self.t_c,
-            t_o: t_o.dot(x),
+            t_o: along(&t_o, x),
             t_v: x[T_V] + brake(p, sample),
             t_c_deviation: [0, 1].map(|i| {
                 let other = if self.engaged == Some(i) { -1.0 } else { 0.0 };
                 self.belief
-                    .deviation(&row(&[(T_C + i, 1.0), (T_C + 1 - i, other)]))
+                    .deviation(&[(T_C + i, 1.0), (T_C + 1 - i, other)])
             }),
             t_o_deviation: self.belief.deviation(&t_o),
             friction: self.friction.mu,
