@@ -43,9 +43,10 @@
 //! friction included, and a clutch that would carry more slips. In a handover it does so from the kinetic friction on:
 //! there the speeds leave the two torques to each other (erratum E5), and a slip that is taken as a twist of the damper
 //! runs away in the friction of the other clutch. A clutch that lets go before it was ever seen to slip starts from
-//! what it has carried.
+//! what it has carried (`breakaway`).
 
 use crate::Params;
+use crate::observer::breakaway::BreakAway;
 use crate::observer::damper::{Behind, Discrete, SPEEDS, State, Torques};
 use crate::observer::friction::Friction;
 use crate::observer::load::Load;
@@ -63,8 +64,6 @@ use nalgebra::Vector3;
 const LEVER: f64 = 20.0;
 /// Factor on L while the other clutch is engaged [1]: only the difference of both ratios shows the friction then.
 const HANDOVER: f64 = 3.0;
-/// Time constant of what an engaged clutch carries per lever [s]: a clutch that lets go is noticed some 0.1 s later.
-const CARRIED: f64 = 0.1;
 
 /// Gains that the proof leaves free.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,8 +103,8 @@ pub struct Energy {
     pub x_hat: State,
     /// ε̂_1, ε̂_2, in units of μ [1], shape (2).
     pub epsilon: [f64; 2],
-    /// |T̂_c| per lever that each engaged clutch has carried [1], through a low pass, shape (2).
-    pub carried: [f64; 2],
+    /// What engaged clutches of an unknown friction have carried.
+    pub break_away: BreakAway,
     /// ω̃ at the last instant [rad/s], shape (3).
     pub innovation: Vector3<f64>,
     /// Load torque (20).
@@ -137,7 +136,7 @@ impl Default for Energy {
         Self {
             x_hat: State::zeros(),
             epsilon: [0.0; 2],
-            carried: [0.0; 2],
+            break_away: BreakAway::default(),
             innovation: Vector3::zeros(),
             load: Load::default(),
             lock: Lock::default(),
@@ -180,7 +179,7 @@ impl Observer for Energy {
         }
         let t_c = self.torques(p, settings, sample);
         self.lock.step(p, sample, t_c, h);
-        self.follow_carried(p, sample, t_c, h);
+        self.find_break_away(p, sample, t_c, h);
         if settings.adapts {
             self.recall(p, settings, sample);
             self.adapt(p, settings, sample, gains.l_c, h);
@@ -202,7 +201,7 @@ impl Observer for Energy {
     fn visit(&mut self, visit: Visit<'_>) {
         self.x_hat.iter_mut().for_each(&mut *visit);
         self.epsilon.iter_mut().for_each(&mut *visit);
-        self.carried.iter_mut().for_each(&mut *visit);
+        self.break_away.visit(visit);
         self.innovation.iter_mut().for_each(&mut *visit);
         self.load.visit(visit);
         self.lock.visit(visit);
@@ -232,18 +231,29 @@ impl Energy {
         for i in (0..2).filter(|i| slipping[*i] && !self.slipping[*i]) {
             if self.friction.known(i) {
                 self.epsilon[i] = self.friction.mu[i] - settings.mu_n[i];
-            } else if self.carried[i] > 0.0 {
-                self.epsilon[i] = self.carried[i].min(Friction::PHYSICAL) - settings.mu_n[i];
+            } else if let Some(mu) = self.break_away.friction(i) {
+                self.epsilon[i] = mu - settings.mu_n[i];
             }
         }
         self.slipping = slipping;
     }
 
-    /// What an engaged clutch carries per lever: about its friction when it lets go, if that is not known.
-    fn follow_carried(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
-        let (w, holds) = (self.levers(p, sample).map(f64::abs), self.holds());
-        for i in (0..2).filter(|i| w[*i] > LEVER && holds[*i]) {
-            self.carried[i] += (t_c[i].abs() / w[i] - self.carried[i]) * (h / (h + CARRIED));
+    /// An engaged clutch of an unknown friction lets go where its slip leaves the model at the most it has carried. What
+    /// the speeds have run apart by since then is slip, and no error of theirs.
+    fn find_break_away(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
+        let (w, g, holds) = (
+            self.levers(p, sample).map(f64::abs),
+            p.g(sample.gear),
+            self.holds(),
+        );
+        let apart = g.map(|g| self.innovation[0] - g * self.innovation[1]);
+        for i in [0, 1] {
+            if !holds[i] || w[i] <= LEVER || self.friction.known(i) {
+                self.break_away.rest(i);
+            } else if self.break_away.step(i, w[i], t_c[i], apart[i], h) {
+                self.lock.let_go(i, t_c[i]);
+                self.take_speeds(p, sample);
+            }
         }
     }
 

@@ -191,7 +191,7 @@ fn torques_are_followed_through_gear_changes() {
     let limits = [
         (Method::Paper, [3.5, 7.5, 2.5], [6.5, 14.0, 4.6]),
         (Method::Lyapunov, [5.0, 8.0, 3.5], [6.3, 11.5, 4.6]),
-        (Method::Energy, [2.3, 8.0, 2.3], [3.5, 7.5, 3.2]),
+        (Method::Energy, [2.3, 3.0, 1.5], [3.5, 3.0, 2.6]),
         (Method::Kalman, [2.0, 2.0, 1.1], [2.8, 3.2, 1.4]),
         (Method::Calibrating, [2.2, 2.5, 1.5], [2.8, 4.0, 2.3]),
     ];
