@@ -88,6 +88,11 @@ impl Report {
         }
     }
 
+    /// Whether a process runs for this report and nothing else.
+    fn is_of_one_process(&self) -> bool {
+        self.trace.is_some()
+    }
+
     fn error(&mut self, clause: &'static str, text: impl Into<String>) {
         self.find(Severity::Error, clause, text);
     }

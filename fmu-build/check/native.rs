@@ -2,8 +2,10 @@
 #![allow(unsafe_code)]
 
 mod abilities;
+mod asynchronous;
 
 pub(super) use abilities::Saved;
+pub(super) use asynchronous::{Begun, finished};
 
 use super::trace;
 use crate::{Error, Result};
@@ -78,7 +80,7 @@ struct Callbacks {
     logger: Logger,
     allocate_memory: Option<extern "C" fn(usize, usize) -> *mut c_void>,
     free_memory: Option<extern "C" fn(*mut c_void)>,
-    step_finished: *const c_void,
+    step_finished: extern "C" fn(*mut c_void, Status),
     component_environment: *mut c_void,
 }
 
@@ -187,7 +189,7 @@ impl Binary {
             logger,
             allocate_memory: memory.then_some(allocate_memory),
             free_memory: memory.then_some(free_memory),
-            step_finished: std::ptr::null(),
+            step_finished: asynchronous::step_finished,
             component_environment: std::ptr::null_mut(),
         });
         let (guid, resources) = (c_text(guid), c_text(resources));
@@ -214,6 +216,15 @@ impl Binary {
     /// `F` is the function pointer type that fmi2FunctionTypes.h gives for `name`.
     unsafe fn function<F>(&self, name: &'static str) -> Result<Symbol<'_, F>> {
         trace::announce(name);
+        // SAFETY: promised by the caller.
+        unsafe { self.look_up(name) }
+    }
+
+    /// Looks up a function.
+    ///
+    /// # Safety
+    /// As that of [`Self::function`].
+    unsafe fn look_up<F>(&self, name: &'static str) -> Result<Symbol<'_, F>> {
         // SAFETY: promised by the caller.
         let found = unsafe { self.library.get::<F>(name) };
         found.map_err(|source| Error::Load {
@@ -304,14 +315,6 @@ impl Instance<'_> {
     pub(super) fn set_string(&self, reference: u32, value: &str) -> Result<Called> {
         let text = c_text(value);
         self.set("fmi2SetString", reference, text.as_ptr())
-    }
-
-    pub(super) fn do_step(&self, time: f64, step: f64) -> Result<Called> {
-        type DoStep = extern "C" fn(Component, f64, f64, c_int) -> Status;
-        // SAFETY: the type of fmi2DoStep in fmi2FunctionTypes.h.
-        let call = unsafe { self.binary.function::<DoStep>("fmi2DoStep")? };
-        let status = call(self.component.as_ptr(), time, step, 1);
-        Ok(called("fmi2DoStep", status, ()))
     }
 
     fn set<T>(&self, name: &'static str, reference: u32, value: T) -> Result<Called> {

@@ -67,6 +67,10 @@ pub(super) struct CoSimulation {
     pub only_once: bool,
     #[serde(rename = "@canNotUseMemoryManagementFunctions", default)]
     pub own_memory: bool,
+    #[serde(rename = "@canRunAsynchronuously", default)]
+    pub asynchronous: bool,
+    #[serde(rename = "@needsExecutionTool", default)]
+    pub needs_tool: bool,
 }
 
 /// `DefaultExperiment`.

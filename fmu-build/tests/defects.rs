@@ -133,6 +133,30 @@ const DEFECTS: &[(&str, &str)] = &[
         "OWN_STEP",
         "a step of half the size gets as far as a whole one",
     ),
+    (
+        "PENDING",
+        "fmi2DoStep returns fmi2Pending though canRunAsynchronuously is not true",
+    ),
+    (
+        "PENDING FOR_EVER",
+        "did not answer within 1 s in fmi2GetStatus of a pending step",
+    ),
+    (
+        "PENDING NO_SIGNAL",
+        "stepFinished is not called at the end of a step",
+    ),
+    (
+        "PENDING CANCEL_REFUSED",
+        "fmi2CancelStep is refused while a step is being computed",
+    ),
+    (
+        "PENDING CANCEL_LEAVES",
+        "after fmi2CancelStep and fmi2Reset: y is",
+    ),
+    (
+        "STARTS_PROGRAM",
+        "the library starts the program sleep, but needsExecutionTool is not true",
+    ),
 ];
 
 /// An option of the linker that the loader sees, for one of the defects.
@@ -149,7 +173,8 @@ fn fmu(folder: &Path, defect: &str, description: &str) -> PathBuf {
     let library = folder.join(defect);
     let done = Command::new("cc")
         .args(["-shared", "-fPIC", "-fvisibility=hidden", "-O1", "-w"])
-        .args([format!("-D{defect}"), search_path(defect)])
+        .args(defect.split(' ').map(|name| format!("-D{name}")))
+        .arg(search_path(defect))
         .args(["-o".as_ref(), library.as_os_str(), SOURCE.as_ref()])
         .status()
         .unwrap();
@@ -187,6 +212,40 @@ fn new_folder(name: &str) -> PathBuf {
 fn the_sound_library_has_no_findings() {
     let folder = new_folder("sound");
     assert_eq!(findings(&folder, "SOUND"), []);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Findings of an FMU in whose description something is replaced.
+fn findings_of(folder: &Path, defect: &str, flag: &str) -> Vec<String> {
+    let description = DESCRIPTION.replace(
+        "canInterpolateInputs=",
+        &format!("{flag} canInterpolateInputs="),
+    );
+    let path = fmu(folder, defect, &description);
+    let report = fmu_build::check(&path).unwrap();
+    report.findings.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn promises_of_other_ways_to_compute_are_taken_at_their_word() {
+    let folder = new_folder("promises");
+    let asynchronous = "canRunAsynchronuously=\"true\"";
+    for library in ["PENDING", "SOUND"] {
+        assert_eq!(
+            findings_of(&folder, library, asynchronous),
+            Vec::<String>::new()
+        );
+    }
+    let tool = "needsExecutionTool=\"true\"";
+    let said = [
+        "warning (FMI 2.0.4, 4.3.1): needsExecutionTool is true: it runs only where that tool is installed",
+    ];
+    assert_eq!(findings_of(&folder, "STARTS_PROGRAM", tool), said);
+    let missing = findings_of(&folder, "NO_TOOL", tool);
+    assert!(
+        missing[0].contains("(needsExecutionTool is true: is that tool installed?)"),
+        "{missing:?}"
+    );
     fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -2,6 +2,7 @@
  *
  * It is sound. Compiled with -DX it has the defect X, which the check must find. FMI's own headers are not
  * needed: the types below are those of fmi2FunctionTypes.h. */
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,21 +10,28 @@
 
 typedef void *Component;
 typedef unsigned Ref;
-typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
+typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING_ } Status;
 #define EXPORT __attribute__((visibility("default")))
 #define REFUSED(name, ...) EXPORT Status name(__VA_ARGS__) { return ERROR; }
 
 typedef struct {
     double u, T, x, slope;
-    int n, ready, steps;
+    int n, ready, steps, pending;
 } Lag;
 
 static Lag *instances[8];
+static void (*finished)(void *environment, Status status);
+static double cancelled;
 #ifdef SHARED_STATE
 static Lag shared;
 #define LAG(c) (memcpy((c), (c), 0), &shared)
 #else
 #define LAG(c) ((Lag *)(c))
+#endif
+
+#ifdef STARTS_PROGRAM
+static pid_t program;
+__attribute__((destructor)) static void stop(void) { if (program) kill(program, SIGKILL); }
 #endif
 
 static void start(Lag *lag) {
@@ -48,6 +56,9 @@ EXPORT Component fmi2Instantiate(const char *name, int type, const char *guid, c
     printf("Licence of Lag Ltd. found\n");
 #endif
     if (strcmp(guid, "{lag}") != 0) return NULL;
+#ifdef NO_TOOL
+    return NULL;
+#endif
 #ifdef ONLY_ONE
     for (int i = 0; i < 8; i++) if (instances[i]) return NULL;
 #endif
@@ -55,6 +66,10 @@ EXPORT Component fmi2Instantiate(const char *name, int type, const char *guid, c
     void *(*allocate)(size_t, size_t) = (void *(*)(size_t, size_t))functions[1];
     if (!allocate) return NULL;
 #endif
+#ifdef STARTS_PROGRAM
+    if (!program && !(program = fork())) execlp("sleep", "sleep", "9", (char *)NULL);
+#endif
+    finished = (void (*)(void *, Status))functions[3];
     Lag *lag = calloc(1, sizeof *lag);
     start(LAG(lag));
     for (int i = 0; i < 8; i++) if (!instances[i]) { instances[i] = lag; break; }
@@ -97,6 +112,7 @@ EXPORT Status fmi2Reset(Component c) {
 #ifdef RESET_KEEPS
     LAG(c)->x = x;
 #endif
+    LAG(c)->x += cancelled;
     return OK;
 }
 
@@ -245,9 +261,22 @@ EXPORT Status fmi2DoStep(Component c, double t, double h, int keep) {
         lag->x += h / 50 * (lag->u + (i + 0.5) / 50 * h * lag->slope - lag->x) / lag->T;
     }
     lag->slope = 0.0;
+#ifdef PENDING
+    lag->pending = 3;
+    return PENDING_;
+#endif
     return OK;
 }
 EXPORT Status fmi2CancelStep(Component c) {
+#if defined(PENDING) && !defined(CANCEL_REFUSED)
+    if (LAG(c)->pending > 0) {
+        LAG(c)->pending = 0;
+#ifdef CANCEL_LEAVES
+        cancelled = 0.1;
+#endif
+        return OK;
+    }
+#endif
 #ifdef CANCELS_NOTHING
     return OK;
 #endif
@@ -256,7 +285,22 @@ EXPORT Status fmi2CancelStep(Component c) {
 #endif
     return ERROR;
 }
+#ifdef PENDING
+EXPORT Status fmi2GetStatus(Component c, int kind, Status *value) {
+    int left = LAG(c)->pending;
+#ifdef FOR_EVER
+    left++;
+#endif
+    *value = left > 0 ? PENDING_ : OK;
+    LAG(c)->pending = left - 1;
+#ifndef NO_SIGNAL
+    if (left == 1) finished(NULL, OK);
+#endif
+    return OK;
+}
+#else
 REFUSED(fmi2GetStatus, Component c, int kind, Status *value)
+#endif
 REFUSED(fmi2GetRealStatus, Component c, int kind, double *value)
 REFUSED(fmi2GetIntegerStatus, Component c, int kind, int *value)
 REFUSED(fmi2GetBooleanStatus, Component c, int kind, int *value)

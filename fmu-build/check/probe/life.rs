@@ -22,11 +22,12 @@ pub(super) fn check(session: &Session<'_>, report: &mut Report) -> Result<bool> 
     take_messages();
     let description = session.description;
     let Some(instance) = session.instantiated_with(&description.guid)? else {
+        let mut text = String::from("no instance with the description's GUID");
+        if session.can(|can| can.needs_tool) {
+            text.push_str(" (needsExecutionTool is true: is that tool installed?)");
+        }
         let messages = take_messages().join("; ");
-        report.error(
-            "2.1.5",
-            format!("no instance with the description's GUID: {messages}"),
-        );
+        report.error("2.1.5", format!("{text}: {messages}"));
         return Ok(false);
     };
     let runs = check_life(&instance, session, "", report)?;

@@ -1,5 +1,6 @@
 //! What is tried with an FMU's library: each probe begins with a library that was loaded just now.
 
+mod asynchronous;
 mod dependencies;
 mod derivatives;
 mod life;
@@ -9,6 +10,7 @@ mod settings;
 mod slopes;
 mod states;
 mod stimuli;
+mod tool;
 mod value;
 
 use super::native::Binary;
@@ -38,11 +40,15 @@ pub(super) enum Probe {
     Derivatives,
     /// Slopes of inputs and outputs, steps of another size.
     Slopes,
+    /// Steps that are still being computed when fmi2DoStep returns.
+    Asynchronous,
+    /// Programs that the library starts.
+    Tool,
 }
 
 impl Probe {
     /// The first tells whether the others make sense.
-    pub(super) const ALL: [Self; 7] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Life,
         Self::Repeat,
         Self::States,
@@ -50,6 +56,8 @@ impl Probe {
         Self::Settings,
         Self::Derivatives,
         Self::Slopes,
+        Self::Asynchronous,
+        Self::Tool,
     ];
 
     pub(super) fn name(self) -> &'static str {
@@ -61,6 +69,8 @@ impl Probe {
             Self::Settings => "settings",
             Self::Derivatives => "derivatives",
             Self::Slopes => "slopes",
+            Self::Asynchronous => "asynchronous",
+            Self::Tool => "tool",
         }
     }
 
@@ -93,6 +103,8 @@ impl Probe {
             Self::Settings => settings::check(&session, report),
             Self::Derivatives => derivatives::check(&session, report),
             Self::Slopes => slopes::check(&session, report),
+            Self::Asynchronous => asynchronous::check(&session, report),
+            Self::Tool => tool::check(&session, report),
         };
         refusal(tried, &session, report).map(|()| true)
     }
