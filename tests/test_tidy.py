@@ -33,6 +33,7 @@ UNSAFE = {
     "tests/fuzz/packages.rs": "tells the checker where to unpack",
     "src/master/raw/lib.rs": "the master's calls of FMUs, on the raw binding of the `fmi` crate",
     "src/master/raw/log.rs": "what FMUs say to the master, from C",
+    "src/master/raw/memory.rs": "the master tells the processor what it will write",
     "fmu-build/check/native.rs": "loads FMUs of any origin through their C interface",
     "fmu-build/check/native/abilities.rs": "what of that interface an FMU need not have",
 }
