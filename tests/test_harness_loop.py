@@ -18,6 +18,8 @@ from dct_harness import master, results
 from harness_fixture.lag_fmu import environment, run, run_command, write_system
 
 ROUNDING = 1e-12  # a thousand exact steps, each rounded once
+NATIVE = ("--engine", "native")  # the lag runs in a process of its own
+engines = pytest.mark.parametrize("engine", [(), NATIVE, (*NATIVE, "--isolate", "none")])
 
 
 def exact(time: np.ndarray) -> np.ndarray:
@@ -53,34 +55,44 @@ def test_kpis_of_an_earlier_run_do_not_outlive_a_failed_one(lag_dir: Path, tmp_p
     assert not kpis.exists()
 
 
-def test_slow_run_ends_at_its_time_limit_with_code_5(lag_dir: Path, tmp_path: Path) -> None:
+@engines
+def test_slow_run_ends_at_its_time_limit_with_code_5(
+    lag_dir: Path, tmp_path: Path, engine: tuple[str, ...]
+) -> None:
     options = ("--set", "plant.delay=0.01", "--timeout", "1")
-    done = run(write_system(tmp_path), lag_dir, *options)
+    done = run(write_system(tmp_path), lag_dir, *options, *engine)
     assert done.returncode == 5, done.stderr
     assert "not finished after 1 s (--timeout)" in done.stderr
     kept = results.load(tmp_path / "out")
     assert 1 < len(kept.time) < 200
+    assert f"stopped at t = {float(kept.time[-1])!r} s: not finished" in done.stderr
     assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
 
 
-def test_fmu_that_never_returns_ends_with_code_5(lag_dir: Path, tmp_path: Path) -> None:
+@engines
+def test_fmu_that_never_returns_ends_with_code_5(
+    lag_dir: Path, tmp_path: Path, engine: tuple[str, ...]
+) -> None:
     options = ("--set", "plant.delay=1000.0", "--timeout", "1")
-    done = run(write_system(tmp_path), lag_dir, *options)
+    done = run(write_system(tmp_path), lag_dir, *options, *engine)
     assert done.returncode == 5, done.stderr
     assert "an FMU does not return" in done.stderr
     kept = results.load(tmp_path / "out")
     assert (len(kept.time), kept.run["status"]) == (1, "partial")
 
 
-def test_interrupt_keeps_the_rows_and_ends_without_traceback(lag_dir: Path, tmp_path: Path) -> None:
-    command = run_command(write_system(tmp_path), lag_dir, "--set", "plant.delay=0.002")
+@engines
+def test_interrupt_keeps_the_rows_and_ends_without_traceback(
+    lag_dir: Path, tmp_path: Path, engine: tuple[str, ...]
+) -> None:
+    command = run_command(write_system(tmp_path), lag_dir, "--set", "plant.delay=0.002", *engine)
     with subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True, env=environment(tmp_path)
     ) as process:
         first = process.stderr.readline()
         process.send_signal(signal.SIGINT)
         rest = process.stderr.read()
-    assert re.fullmatch(r" 10 %  step 100 of 1000, \d+ s left\n", first), first
+    assert re.fullmatch(r" 10 %  step 1\d\d of 1000, \d+ s left\n", first), first
     assert process.returncode == 130
     assert "interrupted by Ctrl-C" in rest
     assert "Traceback" not in rest

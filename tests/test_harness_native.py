@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from pathlib import Path
 
+import cosim_native
 import numpy as np
 import pytest
 from dct_harness import results
@@ -90,3 +92,51 @@ def test_a_missing_module_is_told_with_its_remedy(tmp_path: Path, lag_dir: Path)
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr
     assert "`cargo xtask native` builds it" in done.stderr
+
+
+def lag_plan(fmus: Path, **start: float) -> str:
+    """Return a loop of the lag alone as `cosim_native` takes it."""
+    feeds = {"name": "u", "source": "scenario.u"}
+    part = {"name": "plant", "fmu": str(fmus / "Lag.fmu"), "inputs": [feeds],
+            "start": list(start.items())}  # fmt: skip
+    return json.dumps({"components": [part], "script": ["u"]})
+
+
+TIMES, SCRIPT = 1e-3 * np.arange(1001), np.full((1001, 1), 2.0)
+
+
+def test_rows_lie_in_given_arrays_and_fmus_stay_open(lag_dir: Path, tmp_path: Path) -> None:
+    fmus, unpacked = cosim_native.Fmus(tmp_path), []
+    for _ in range(2):
+        out = [np.full((1001, 2), np.nan) for _ in range(2)]
+        made = cosim_native.run([lag_plan(lag_dir)] * 2, TIMES, SCRIPT, 2, out=out, fmus=fmus)
+        pairs = zip((rows for _, rows, *_ in made), out, strict=True)
+        assert all(np.shares_memory(*pair) for pair in pairs)
+        ((_, alone, *_),) = cosim_native.run([lag_plan(lag_dir)], TIMES, SCRIPT)
+        assert all(np.array_equal(alone, rows) for _, rows, *_ in made)
+        unpacked.append(sorted(tmp_path.iterdir()))
+    assert len(unpacked[0]) == 1
+    assert unpacked[0] == unpacked[1]
+    del fmus
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("shape", [(1000, 2), (1001, 1), (1001, 3)])
+def test_arrays_of_another_shape_are_refused(lag_dir: Path, shape: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match="a row for each time, a column for each name"):
+        cosim_native.run([lag_plan(lag_dir)], TIMES, SCRIPT, out=[np.zeros(shape)])
+
+
+def test_a_watch_ends_runs_or_raises(lag_dir: Path) -> None:
+    slow, seen = lag_plan(lag_dir, delay=0.002), []
+
+    def watch(steps: int) -> bool:
+        seen.append(steps)
+        return steps > 100
+
+    ((_, rows, error, _),) = cosim_native.run([slow], TIMES, SCRIPT, watch=watch)
+    assert error == ("ended", f"stopped at t = {float(TIMES[len(rows) - 1])} s")
+    assert 100 < seen[-1] < len(rows) < 1001
+    assert seen == sorted(seen)
+    with pytest.raises(ZeroDivisionError):
+        cosim_native.run([slow], TIMES, SCRIPT, watch=lambda steps: 1 / 0)

@@ -59,6 +59,11 @@ pub enum Error {
         /// What it returned, and the last messages of the FMU.
         what: String,
     },
+    /// A run was ended from outside.
+    Ended {
+        /// Communication point [s].
+        time: f64,
+    },
     /// A value has no code in a mapping.
     Coding(String),
     /// A signal left the finite numbers, or has no row in a table.
@@ -134,6 +139,7 @@ impl fmt::Display for Error {
                 let time = Seconds(*time);
                 write!(f, "{component}: {function} at t = {time} s {what}")
             }
+            Self::Ended { time } => write!(f, "stopped at t = {} s", Seconds(*time)),
             Self::Value {
                 name,
                 value,

@@ -20,6 +20,8 @@
 //!
 //! Independent runs share nothing but the unpacked FMU files: [`run_all`] gives them to threads.
 //!
+//! A [`Watch`] looks at runs while they are made, and ends them at a communication point.
+//!
 //! Rows are recorded as they are made, one after the other: a column of 30,000 rows would be
 //! written with one cache line per value.
 //!
@@ -67,6 +69,7 @@ mod suggest;
 mod supplier;
 mod system;
 pub mod unit;
+mod watch;
 mod wiring;
 mod world;
 
@@ -79,3 +82,4 @@ pub use plan::Plan;
 pub use run::Run;
 pub use scenario::Scenario;
 pub use system::System;
+pub use watch::Watch;

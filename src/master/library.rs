@@ -16,9 +16,9 @@ pub struct Library {
 }
 
 impl Library {
-    /// Unpacks and reads an FMU file.
-    pub fn open(path: &Path) -> Result<Self, Error> {
-        let (import, xml) = package::open(path)?;
+    /// Unpacks an FMU file below a folder, and reads it.
+    pub fn open(path: &Path, below: &Path) -> Result<Self, Error> {
+        let (import, xml) = package::open(path, below)?;
         let description = Description::parse(&xml).map_err(|what| Error::Content {
             path: path.to_owned(),
             line: 0,
@@ -38,17 +38,33 @@ impl Library {
 }
 
 /// FMU files that are open, each once however many components and runs use it.
-#[derive(Default, Clone)]
-pub struct Libraries(HashMap<PathBuf, Arc<Library>>);
+#[derive(Clone)]
+pub struct Libraries {
+    open: HashMap<PathBuf, Arc<Library>>,
+    /// Where FMUs are unpacked, each in a folder of its own that goes with its library.
+    folder: PathBuf,
+}
+
+impl Default for Libraries {
+    fn default() -> Self {
+        Self::below(std::env::temp_dir())
+    }
+}
 
 impl Libraries {
+    /// FMUs are unpacked below a folder.
+    pub fn below(folder: PathBuf) -> Self {
+        let open = HashMap::new();
+        Self { open, folder }
+    }
+
     /// The library of a file, opened when it is not yet.
     pub fn open(&mut self, path: &Path) -> Result<Arc<Library>, Error> {
-        if let Some(known) = self.0.get(path) {
+        if let Some(known) = self.open.get(path) {
             return Ok(known.clone());
         }
-        let library = Arc::new(Library::open(path)?);
-        self.0.insert(path.to_owned(), library.clone());
+        let library = Arc::new(Library::open(path, &self.folder)?);
+        self.open.insert(path.to_owned(), library.clone());
         Ok(library)
     }
 }

@@ -1,10 +1,13 @@
 //! `cosim`: runs a system file of `dct-harness` and writes its results.
 
+mod ending;
+
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
 use cosim_master::{
     Error, Job, Libraries, Mapping, Message, Outcome, Scenario, System, Told, run_all,
 };
+use ending::Ending;
 use std::fmt::Write as _;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -38,9 +41,10 @@ Examples:
   cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10 --interpolate
   cosim run examples/closed_loop/paper_case1.toml --record plant.vehicle.speed
   cosim run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml
+  cosim run examples/closed_loop/paper_case1.toml --timeout 60
 
-Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed; the rows
-before a failure are written.";
+Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed, 5 timeout,
+130 Ctrl-C; the rows before a failure, the limit or Ctrl-C are written. A second Ctrl-C ends at once.";
 
 #[derive(Args)]
 struct RunWords {
@@ -73,6 +77,9 @@ struct RunWords {
     /// A signal to keep, COMPONENT.VARIABLE; may be said again. Without it all are kept.
     #[arg(long, value_name = "SIGNAL")]
     record: Vec<String>,
+    /// Longest time of the loop [s of the clock].
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    timeout: Option<f64>,
     /// Results: `time` [s], then `component.variable`.
     #[arg(long, value_name = "FILE", default_value = "results.csv")]
     out: PathBuf,
@@ -83,20 +90,32 @@ struct RunWords {
 
 fn main() -> ExitCode {
     let Verb::Run(words) = Words::parse().verb;
-    match run(words) {
+    let done = Ending::begin(words.timeout).map_err(|error| (2, error.to_string()));
+    let done = done.and_then(|ending| run(words, &ending).map_err(|error| told(&error, &ending)));
+    match done {
         Ok(told) => {
             println!("{told}");
             ExitCode::SUCCESS
         }
-        Err(error) => {
-            eprintln!("cosim: {error}");
-            ExitCode::from(match error {
-                error if error.is_at_run_time() => 4,
-                error if error.is_of_an_fmu() => 3,
-                _ => 2,
-            })
+        Err((code, told)) => {
+            eprintln!("cosim: {told}");
+            ExitCode::from(code)
         }
     }
+}
+
+/// Exit code of an error, and what to tell.
+fn told(error: &Error, ending: &Ending) -> (u8, String) {
+    let code = match error {
+        Error::Ended { .. } => {
+            let (code, cause) = ending.cause();
+            return (code, format!("{error}: {cause}"));
+        }
+        error if error.is_at_run_time() => 4,
+        error if error.is_of_an_fmu() => 3,
+        _ => 2,
+    };
+    (code, error.to_string())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -122,7 +141,7 @@ fn assignment(text: &str) -> Result<(String, String, Value), String> {
 }
 
 /// Returns what to tell when all went well.
-fn run(words: RunWords) -> Result<String, Error> {
+fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     let mut system = System::load(&words.system)?;
     system.step = words.step.unwrap_or(system.step);
     system.stop = words.stop.unwrap_or(system.stop);
@@ -139,7 +158,8 @@ fn run(words: RunWords) -> Result<String, Error> {
     }
     let times = system.times()?;
     let record = (!words.record.is_empty()).then_some(words.record);
-    let outcome = outcome(&system, &words.fmu_dir, &times, record)?;
+    let outcome = outcome(&system, &words.fmu_dir, &times, record, ending)?;
+    ending.returned();
     if words.verbose {
         tell(&outcome.log);
     }
@@ -162,8 +182,9 @@ fn outcome(
     folder: &Path,
     times: &[f64],
     record: Option<Vec<String>>,
+    ending: &Ending,
 ) -> Result<Outcome, Error> {
-    let mut libraries = Libraries::default();
+    let mut libraries = Libraries::below(ending.folder().to_owned());
     let scenario = Scenario::load(&system.scenario)?;
     let (mut plan, held) = system.plan(folder, &scenario, &mut libraries)?;
     plan.record = record;
@@ -174,11 +195,18 @@ fn outcome(
         script: &script,
     };
     let slot = Mutex::new(None);
-    run_all(&[job], &libraries, NonZero::<usize>::MIN, |_, outcome| {
+    let keep = |_, outcome| {
         if let Ok(mut slot) = slot.lock() {
             *slot = Some(outcome);
         }
-    });
+    };
+    run_all(
+        &[job],
+        &libraries,
+        NonZero::<usize>::MIN,
+        &ending.watch,
+        keep,
+    );
     let outcome = slot.into_inner().ok().flatten();
     outcome.ok_or_else(|| Error::Usage("the run was lost".into()))
 }

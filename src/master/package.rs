@@ -16,15 +16,15 @@ const DESCRIPTION: &str = "modelDescription.xml";
 const RESOURCES: &str = "resources/";
 const BINARIES: &str = "binaries/";
 
-/// Unpacks and reads an FMU file; returns it with the text of its description.
-pub fn open(path: &Path) -> Result<(Fmi2Import, String), Error> {
+/// Unpacks an FMU file below a folder and reads it; returns it with the text of its description.
+pub fn open(path: &Path, below: &Path) -> Result<(Fmi2Import, String), Error> {
     let load = |error| Error::Load {
         path: path.to_owned(),
         error: Box::new(error),
     };
     let mut archive = archive(path).map_err(load)?;
     let xml = description(&mut archive).map_err(load)?;
-    let folder = tempfile::Builder::new().prefix("cosim-").tempdir();
+    let folder = tempfile::Builder::new().prefix("cosim-").tempdir_in(below);
     let folder = folder.map_err(|error| load(error.into()))?;
     let import = Fmi2Import::new(folder, &xml).map_err(load)?;
     let identifier = &import.model_description().co_simulation;

@@ -4,10 +4,16 @@ use crate::error::Error;
 use crate::library::Libraries;
 use crate::plan::Plan;
 use crate::run::Run;
+use crate::watch::Watch;
 use cosim_raw::Message;
 use std::num::NonZero;
 use std::sync::Mutex;
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
+use std::time::Duration;
+
+/// How often the caller is given a chance while threads make runs.
+const BEAT: Duration = Duration::from_millis(50);
 
 /// One run that is to be made.
 #[derive(Debug, Clone)]
@@ -39,42 +45,42 @@ pub type Told = Vec<(String, Vec<Message>)>;
 /// How many rows are good, why they are not all, and what the FMUs said.
 pub type Made = (usize, Option<Error>, Told);
 
-/// Makes all runs, at most `threads` at a time; `done` gets each with its number, in any order.
+/// Makes all runs, at most `threads` at a time; `done` gets each with its number, in any order, and
+/// `watch` may end them.
 ///
 /// The runs are the same, to the last bit, for any number of threads.
 pub fn run_all(
     jobs: &[Job<'_>],
     libraries: &Libraries,
     threads: NonZero<usize>,
+    watch: &Watch,
     done: impl Fn(usize, Outcome) + Sync,
 ) {
     let jobs: Vec<_> = jobs.iter().enumerate().collect();
-    share(jobs, libraries, threads, |(number, job), libraries| {
-        done(number, one(job, libraries));
-    });
+    let each = |(number, job), libraries: &mut Libraries| done(number, one(job, libraries, watch));
+    share(jobs, libraries, threads, each, || {});
 }
 
 /// Makes all runs into rows that are there already, large enough for every one of them.
 ///
+/// `beat` is called in this thread some times a second, until all are made.
 pub fn run_into(
     jobs: &[Job<'_>],
     rows: Vec<&mut [f64]>,
     libraries: &Libraries,
     threads: NonZero<usize>,
+    watch: &Watch,
+    beat: impl FnMut(),
 ) -> Vec<Made> {
     let mut made: Vec<Made> = jobs.iter().map(|_| Made::default()).collect();
     let work = jobs.iter().zip(rows).zip(&mut made).collect();
-    share(
-        work,
-        libraries,
-        threads,
-        |((job, rows), made), libraries| {
-            *made = match Run::new(&job.plan, libraries) {
-                Ok(run) => make(run, job, rows),
-                Err(error) => (0, Some(error), vec![]),
-            };
-        },
-    );
+    let each = |((job, rows), made): ((&Job<'_>, _), &mut Made), libraries: &mut Libraries| {
+        *made = match Run::new(&job.plan, libraries) {
+            Ok(run) => make(run, job, rows, watch),
+            Err(error) => (0, Some(error), vec![]),
+        };
+    };
+    share(work, libraries, threads, each, beat);
     made
 }
 
@@ -84,26 +90,31 @@ fn share<Piece: Send>(
     libraries: &Libraries,
     threads: NonZero<usize>,
     one: impl Fn(Piece, &mut Libraries) + Sync,
+    mut beat: impl FnMut(),
 ) {
-    let extra = 1..threads.get().min(pieces.len());
+    let count = threads.get().min(pieces.len());
     let next = Mutex::new(pieces.into_iter());
     let take = || next.lock().ok().and_then(|mut pieces| pieces.next());
-    let work = || {
+    let work = |_working: mpsc::Sender<()>| {
         let mut libraries = libraries.clone();
         while let Some(piece) = take() {
             one(piece, &mut libraries);
         }
     };
+    let (working, all) = mpsc::channel();
     thread::scope(|scope| {
-        for _ in extra {
-            scope.spawn(work);
+        let work = &work;
+        for working in vec![working; count] {
+            scope.spawn(move || work(working));
         }
-        work();
+        while all.recv_timeout(BEAT) == Err(RecvTimeoutError::Timeout) {
+            beat();
+        }
     });
 }
 
 /// Makes one run.
-fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
+fn one(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch) -> Outcome {
     let run = match Run::new(&job.plan, libraries) {
         Ok(run) => run,
         Err(error) => {
@@ -117,7 +128,7 @@ fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
     };
     let names = run.names();
     let mut rows = vec![0.0; job.times.len() * names.len()];
-    let (good, error, log) = make(run, job, &mut rows);
+    let (good, error, log) = make(run, job, &mut rows, watch);
     rows.truncate(good * names.len());
     Outcome {
         names,
@@ -127,9 +138,9 @@ fn one(job: &Job<'_>, libraries: &mut Libraries) -> Outcome {
     }
 }
 
-fn make(run: Run, job: &Job<'_>, rows: &mut [f64]) -> Made {
+fn make(run: Run, job: &Job<'_>, rows: &mut [f64], watch: &Watch) -> Made {
     let logs = run.logs();
-    let (good, done) = run.run(&job.plan, job.times, job.script, rows);
+    let (good, done) = run.run(&job.plan, job.times, job.script, rows, watch);
     let log = logs.into_iter().map(|(name, log)| (name, log.messages()));
     (good, done.err(), log.collect())
 }

@@ -5,6 +5,7 @@ use crate::library::Libraries;
 use crate::part::Part;
 use crate::plan::{Coupling, Plan};
 use crate::slopes::Slopes;
+use crate::watch::Watch;
 use crate::world;
 use cosim_raw::{Log, prefetch};
 use std::sync::Arc;
@@ -91,14 +92,15 @@ impl Run {
     /// Runs over `times` [s], the first of which is the start.
     ///
     /// `script` has a row of scenario signals for each time, and `rows` takes a row of the
-    /// recorded signals for each; both row by row, as they are made. Returns how many rows are good, and why they
-    /// are not all.
+    /// recorded signals for each; both row by row, as they are made. `watch` may end it. Returns how many rows are
+    /// good, and why they are not all.
     pub fn run(
         mut self,
         plan: &Plan,
         times: &[f64],
         script: &[f64],
         rows: &mut [f64],
+        watch: &Watch,
     ) -> (usize, Result<(), Error>) {
         let width = self.kept.as_ref().map_or(self.all.len(), Vec::len);
         let count = self.script;
@@ -117,6 +119,9 @@ impl Run {
         }
         for (k, pair) in times.windows(2).enumerate() {
             let &[time, next] = pair else { break };
+            if done.is_ok() && watch.ends(k) {
+                done = Err(Error::Ended { time });
+            }
             if done.is_err() {
                 break;
             }

@@ -2,7 +2,7 @@
 //!
 //! `repeat PLAN TIMES SCRIPT RUNS THREADS`: PLAN is JSON; TIMES and SCRIPT hold f64, row by row.
 
-use cosim_master::{Job, Libraries, Plan, run_all};
+use cosim_master::{Job, Libraries, Plan, Watch, run_all};
 use std::env::args;
 use std::error::Error;
 use std::fs::read;
@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &jobs,
         &Libraries::default(),
         threads.parse()?,
+        &Watch::default(),
         |k, outcome| {
             if let Some(error) = outcome.error {
                 eprintln!("run {k}: {error}");

@@ -7,7 +7,7 @@
 mod both;
 
 use both::{Loop, Table, column, root, shipped};
-use cosim_master::{Job, Libraries, Outcome, Scenario, System, run_all};
+use cosim_master::{Job, Libraries, Outcome, Scenario, System, Watch, run_all};
 use std::num::NonZero;
 use std::process::Command;
 use std::sync::Mutex;
@@ -229,7 +229,8 @@ fn rows(runs: usize, stop: f64, threads: usize) -> Vec<Vec<f64>> {
         assert!(outcome.error.is_none(), "{:?}", outcome.error);
         found.lock().unwrap()[number] = outcome.rows;
     };
-    run_all(&jobs, &libraries, NonZero::new(threads).unwrap(), keep);
+    let threads = NonZero::new(threads).unwrap();
+    run_all(&jobs, &libraries, threads, &Watch::default(), keep);
     found.into_inner().unwrap()
 }
 

@@ -1,9 +1,9 @@
 """`run --engine native`: the compiled master `cosim_native` steps the loop, to the same bits.
 
 Python still loads the FMUs, connects them and writes what `run.json` says of them; the compiled
-master gets the finished plan, and gives all rows back at once. It makes instances of its own,
+master gets the finished plan, and fills all rows at once. It makes instances of its own,
 and their messages stand for those of Python's. FMUs that this project did not build, and with them
-the loop, run in another process.
+the loop, run in another process. Ctrl-C and a time limit end either at a communication point.
 """
 
 from __future__ import annotations
@@ -11,8 +11,11 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import shutil
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,7 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ConfigError, FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError
+from .errors import (
+    ConfigError,
+    FmuInvalidError,
+    FmuRuntimeError,
+    HarnessError,
+    InterruptedRunError,
+    RunTimeoutError,
+)
 from .fmu import STATUS
 from .interpolation import continuous, followed
 from .isolated import Isolated
@@ -30,9 +40,14 @@ from .master import Run
 from .values import start_value
 
 REMEDY = "run it with --engine fmpy"
-ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": ConfigError}
+ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": ConfigError,
+          "ended": InterruptedRunError}  # fmt: skip
 PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
+STEPS, END = "steps", "end"  # files: how far the other process is, and that it is to end
+BEAT = 0.05  # s between two looks at the other process
+GRACE = 1.0  # s; a call into an FMU that takes longer than this past the end hangs
 Said = Sequence[tuple[str, list[tuple[float, int, str, str]]]]  # time [s], status, category, text
+Ended = Callable[[int], bool]  # of the steps so far, whether the loop is to end
 Made = tuple[np.ndarray, HarnessError | None, Said]
 
 
@@ -40,6 +55,7 @@ class NativeRun(Run):
     """As `Run`; its loop is compiled."""
 
     _said: Said = ()
+    _unpacked = ""  # the folder of the instances' files
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
         """As `Run.execute`; the log is that of the instances that ran."""
@@ -54,16 +70,32 @@ class NativeRun(Run):
         plan = json.dumps(self._plan())
         inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
         foreign = any(isinstance(fmu, Isolated) for fmu in inner)
-        rows, error, said = self._apart(plan) if foreign else made(plan, self.times, self.script)
-        self._said = said
-        self._samples[: len(rows)] = rows
-        self.rows = self._samples[: len(rows)]
-        if self.abort is not None:
-            raise self.abort
+        last = len(self.times) - 1
+
+        def ended(steps: int) -> bool:
+            if progress is not None:
+                progress(steps, last)
+            return self.abort is not None
+
+        if foreign:
+            rows, error, self._said = self._apart(plan, ended)
+        else:
+            with TemporaryDirectory(prefix="dct-harness-") as self._unpacked:
+                work = (plan, self.times, self.script, self._unpacked)
+                rows, error, self._said = made(*work, ended, out=[self._samples])
+        self.rows = rows
+        if isinstance(error, InterruptedRunError) and self.abort is not None:
+            raise self._stopped(self.abort, float(self.times[len(rows) - 1]))
         if error is not None:
             raise error
         if progress is not None:
-            progress(len(rows) - 1, len(rows) - 1)
+            progress(last, last)
+
+    def remove_directories(self) -> None:
+        """As `Run.remove_directories`."""
+        super().remove_directories()
+        if self._unpacked:
+            shutil.rmtree(self._unpacked, ignore_errors=True)
 
     def _plan(self) -> dict[str, Any]:
         """Return the loop as `cosim_master::Plan` in JSON."""
@@ -101,29 +133,45 @@ class NativeRun(Run):
         noise = {"noise": column} if column else {}
         return {"name": name, "source": self.sources[target], **line, **table, **noise}
 
-    def _apart(self, plan: str) -> Made:
+    def _apart(self, plan: str, ended: Ended) -> Made:
         """Make the rows in another process, with the limits of foreign FMUs."""
-        seconds = self.limits.seconds
         with TemporaryDirectory(prefix="dct-harness-") as name:
             folder = Path(name)
             (folder / PLAN).write_text(plan, encoding="utf-8")
             np.savez(folder / INPUT, times=self.times, script=self.script)
             command = [sys.executable, "-m", __name__, name, str(int(self.limits.memory))]
             inside = {**os.environ, "TMPDIR": name}  # what a crash leaves goes with the folder
-            try:
-                done = subprocess.run(
-                    command, timeout=seconds, capture_output=True, check=False, env=inside
-                )
-            except subprocess.TimeoutExpired as error:
-                raise RunTimeoutError(
-                    f"the native loop took longer than {seconds:g} s (--call-timeout)"
-                ) from error
-            if done.returncode or not (folder / OUTPUT).is_file():
+            null = subprocess.DEVNULL
+            with subprocess.Popen(command, env=inside, stdout=null, stderr=null) as process:
+                try:
+                    code = self._awaited(process, folder, ended)
+                finally:
+                    process.kill()
+            if code or not (folder / OUTPUT).is_file():
                 raise FmuRuntimeError(
-                    f"the process of the native loop ended with {_ending(done.returncode)}; "
+                    f"the process of the native loop ended with {_ending(code)}; "
                     f"{REMEDY} to see in which FMU and call"
                 )
             return _read(folder / OUTPUT)
+
+    def _awaited(self, process: subprocess.Popen[bytes], folder: Path, ended: Ended) -> int:
+        """Return the exit code of the other process, which ends early when it is told to."""
+        seconds = self.limits.seconds
+        limit = time.monotonic() + seconds
+        while True:
+            try:
+                return process.wait(BEAT)
+            except subprocess.TimeoutExpired:
+                now = time.monotonic()
+            if ended(_steps(folder)) and not (folder / END).exists():
+                (folder / END).touch()
+                limit = min(limit, now + GRACE)
+            if now > limit:
+                if self.abort is not None:
+                    raise type(self.abort)(f"an FMU does not return: {self.abort}")
+                raise RunTimeoutError(
+                    f"the native loop took longer than {seconds:g} s (--call-timeout)"
+                )
 
 
 def _mapped(fmu: Mapped) -> dict[str, Any]:
@@ -159,8 +207,14 @@ def _read(path: Path) -> Made:
         return told["rows"], ERRORS[kind](text) if kind else None, json.loads(str(told["log"]))
 
 
-def made(plan: str, times: np.ndarray, script: np.ndarray) -> Made:
+def made(
+    plan: str, times: np.ndarray, script: np.ndarray, folder: str | Path, ended: Ended,
+    out: list[np.ndarray] | None = None,
+) -> Made:  # fmt: skip
     """Return the rows of one loop, shape (samples, signals), why they are not all there, the log.
+
+    FMUs are unpacked below `folder`. `ended` is asked from time to time, with the number of steps
+    so far; the rows lie in `out`.
 
     Raises
     ------
@@ -173,8 +227,24 @@ def made(plan: str, times: np.ndarray, script: np.ndarray) -> Made:
         raise ConfigError(
             "--engine native needs the module cosim_native: `cargo xtask native` builds it"
         ) from missing
-    _, rows, error, log = native.run([plan], times, np.ascontiguousarray(script))[0]
+    work = ([plan], times, np.ascontiguousarray(script))
+    fmus = native.Fmus(folder)
+    _, rows, error, log = native.run(*work, out=out, fmus=fmus, watch=ended)[0]
     return rows, ERRORS[error[0]](error[1]) if error else None, log
+
+
+def _told(folder: Path, steps: int) -> bool:
+    """Tell the other process how far this one is; returns whether it is to end."""
+    (folder / STEPS).write_text(str(steps), encoding="utf-8")
+    return (folder / END).exists()
+
+
+def _steps(folder: Path) -> int:
+    """Return how far the other process is."""
+    try:
+        return int((folder / STEPS).read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):  # not yet, or it is just being written
+        return 0
 
 
 def main(folder: Path, memory: int) -> None:
@@ -182,8 +252,11 @@ def main(folder: Path, memory: int) -> None:
     from .host import limit
 
     limit(memory * (1 << 20))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends it to both processes
+    plan = (folder / PLAN).read_text("utf-8")
     with np.load(folder / INPUT) as given:
-        rows, error, log = made((folder / PLAN).read_text("utf-8"), given["times"], given["script"])
+        work = (plan, given["times"], given["script"], folder)
+        rows, error, log = made(*work, lambda steps: _told(folder, steps))
     kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
     told = np.array([kind, str(error or "")])
     np.savez(folder / OUTPUT, rows=rows, error=told, log=np.array(json.dumps(log)))
