@@ -67,6 +67,7 @@ mod quiet;
 mod rows;
 mod springs;
 mod tangent;
+mod tie;
 
 use crate::Params;
 use crate::coupling::Ladders;

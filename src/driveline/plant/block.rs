@@ -21,6 +21,7 @@ use crate::plant::matrices::{Rows, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};
+use crate::plant::tie::share_guards;
 use crate::shaft::Grade;
 
 /// Index of T_v among the torques.
@@ -173,8 +174,11 @@ impl Block {
         let mut worst = Crossing::None;
         let mut event = Event::default();
         let (modes, brake) = (plant.modes, plant.brake);
-        let start = self.guards(p, systems, plant, 0.0);
-        let end = self.guards(p, systems, plant, self.t);
+        let mut start = self.guards(p, systems, plant, 0.0);
+        let mut end = self.guards(p, systems, plant, self.t);
+        if plant.meshes == Meshes::JAMMED && plant.is_tied(p) {
+            share_guards(&mut start, &mut end);
+        }
         for i in [0, 1, 2] {
             let crossing = [0, 1].map(|k| start[i][k].crossing(end[i][k], self.t));
             let found = crossing.map(|crossing| crossing == Crossing::Found);

@@ -123,11 +123,6 @@ impl Plant {
         self.meshes = Meshes { load, output };
     }
 
-    /// Whether both clutches are engaged in gears of two ratios, behind which nothing turns.
-    pub(crate) fn is_tied(&self, p: &Params) -> bool {
-        self.modes == [Mode::Stuck; 2] && self.coupling().ties(p)
-    }
-
     /// Whether the output stands, and might jam, after `event`.
     pub(crate) fn output_stands(&self, event: &Event) -> bool {
         let speed = self.x[O].abs();

@@ -9,7 +9,7 @@
 //! so that its sign follows the torques of the clutches and jumps with them. With the torques of slipping
 //! clutches given, Σ i_f T_t η^s − T_o − J_o ω̇_o falls as ω̇_o rises, whatever the signs: one set of signs and one
 //! direction are consistent, and the sets are tried until they are found. The output stands jammed on the same terms as
-//! behind compliant shafts, with i_f T_t = g T_c.
+//! behind compliant shafts, with i_f T_t = g T_c; with both clutches engaged: `plant/tie.rs`.
 
 use crate::Params;
 use crate::coupling::Ladders;
@@ -43,14 +43,22 @@ impl Plant {
             self.stop_output(p);
         }
         let (start, loses) = (*self, p.gears_that_lose(self.gear_in()));
+        let may_tie = standing && start.may_tie(p, input, rate, event);
         for meshes in start.candidates(loses, standing) {
             *self = Self { meshes, ..start };
             self.resolve_brake(p, input, rate, event);
             let systems = &ladders.of(p, self.coupling()).systems;
             self.resolve(p, systems, input, rate, event);
-            if self.meshes_hold(p, systems, input, standing) {
+            let vain = may_tie && self.slips_in_vain(p, systems, input);
+            if !vain && self.meshes_hold(p, systems, input, standing) {
                 return;
             }
+        }
+        if may_tie {
+            let meshes = Meshes::JAMMED;
+            *self = Self { meshes, ..start };
+            self.resolve_brake(p, input, rate, event);
+            self.stand_tied(&ladders.of(p, self.coupling()).systems);
         }
     }
 
@@ -96,7 +104,7 @@ impl Plant {
     }
 
     /// v with the friction torques of now; T_v moves no output.
-    fn torques_now(&self, p: &Params, input: &Input) -> Torques {
+    pub(crate) fn torques_now(&self, p: &Params, input: &Input) -> Torques {
         let factor = self.friction_factor(p);
         let v = torques(p, self.modes, factor, input.t_e, input.force, 0.0);
         self.with_synchronisers(p, v)

@@ -18,21 +18,6 @@ use crate::plant::matrices::{C, O, SPEEDS, W};
 /// Accelerations by torques on the six inertias, shape (6, 6).
 pub(crate) type Mobility = SMatrix<f64, SPEEDS, SPEEDS>;
 
-impl Coupling {
-    /// Whether both clutches engaged let nothing turn: rigid shafts have gears of two ratios in.
-    pub(crate) fn ties(&self, p: &Params) -> bool {
-        let [one, two] = p.g(self.gear_in());
-        p.rigid && one != 0.0 && two != 0.0 && one != two
-    }
-
-    /// Another coupling in place of this one with both clutches engaged, where that ties them: they
-    /// stand by that alone and carry what comes in, as if no gear jammed.
-    pub(crate) fn tied(self, p: &Params) -> Option<Self> {
-        let jammed = false;
-        (self.jammed && self.ties(p)).then_some(Self { jammed, ..self })
-    }
-}
-
 /// W, shape (6, 6).
 pub(crate) fn mobility(p: &Params, coupling: Coupling) -> Mobility {
     let gear = coupling.gear_in();

@@ -5,6 +5,7 @@ use crate::plant::Plant;
 use crate::plant::block::torques;
 use crate::plant::brake::drive_shaft_torque;
 use crate::plant::matrices::{C, D, E, O, State, Systems, TWIST_D, W};
+use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Mode, stuck_set};
 use crate::plant::ports::{ClutchState, Input, Output};
 
@@ -54,7 +55,7 @@ impl Plant {
             v
         };
         let system = &systems.by_stuck[stuck_set(self.modes)];
-        let t_c = [0, 1].map(|i| match self.modes[i] {
+        let mut t_c = [0, 1].map(|i| match self.modes[i] {
             Mode::Stuck => system.rows.torque[i].of(x, &v),
             Mode::Open => 0.0,
             _ => v[1 + i],
@@ -66,6 +67,10 @@ impl Plant {
         if systems.rigid_ratio != [0.0; 2] {
             let mesh = &system.rows.mesh;
             t_t = [0, 1].map(|i| mesh[i].of(x, &v) / p.i_f[i]);
+            if self.meshes == Meshes::JAMMED && self.is_tied(p) {
+                t_c = self.shared(p, input, t_c);
+                t_t = [0, 1].map(|i| p.i_t(i, self.gear[i]) * t_c[i]);
+            }
         }
         for i in (0..2).filter(|i| synchronising && self.synchroniser[*i] != Mode::Open) {
             t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];

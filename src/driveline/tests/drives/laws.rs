@@ -218,43 +218,73 @@ fn check_brake(name: &str, p: &Params, end: &Input, y: &Output) {
     }
 }
 
+/// What a drive by chance has shown.
+#[derive(Debug, Default)]
+struct Seen {
+    states: [[u32; 3]; 2],
+    held: u32,
+    changes: usize,
+}
+
+/// A drive by chance of 20 s or 20,000 steps of `h` [s] that keeps every law.
+fn check(name: &str, p: &Params, most: f64, seed: u64, h: f64, all: &mut Seen) {
+    let steps = ((20.0 / h) as u32).clamp(3000, 20_000);
+    let (mut turnover, mut residual) = (0.0, 0.0_f64);
+    drive(
+        p,
+        most,
+        (seed, h, steps),
+        |before, input, rate, plant, y, changes| {
+            let end = input.after(rate, h);
+            check_clutches(name, p, &end, plant, y);
+            check_events(name, h, before, plant, changes);
+            check_brake(name, p, &end, y);
+            turnover += h * ((end.t_e * y.omega_e).abs() + (y.t_v * y.omega_w).abs());
+            residual = residual.max(y.energy_residual.abs());
+            for i in [0, 1] {
+                all.states[i][y.state[i] as usize - 1] += 1;
+            }
+            all.held += u32::from(y.held);
+            all.changes += changes.iter().filter(|(_, old, new)| old != new).count();
+        },
+    );
+    println!("{name}, h = {h} s: {residual:.1e} of {turnover:.1e} J");
+    assert!(
+        residual < UNBALANCED * turnover,
+        "{name}: {residual} of {turnover} J"
+    );
+}
+
 #[test]
 fn drives_by_chance_keep_every_law() {
     for (name, p, most) in boxes() {
-        let (mut states, mut held, mut told) = ([[0; 3]; 2], 0, 0);
-        for (seed, h) in [1e-4, 1e-3, 1.7e-3, 1e-2, 2e-2].into_iter().enumerate() {
-            let steps = ((20.0 / h) as u32).min(20_000);
-            let (mut turnover, mut residual) = (0.0, 0.0_f64);
-            drive(
-                &p,
-                most,
-                (seed as u64, h, steps),
-                |before, input, rate, plant, y, changes| {
-                    let end = input.after(rate, h);
-                    check_clutches(name, &p, &end, plant, y);
-                    check_events(name, h, before, plant, changes);
-                    check_brake(name, &p, &end, y);
-                    turnover += h * ((end.t_e * y.omega_e).abs() + (y.t_v * y.omega_w).abs());
-                    residual = residual.max(y.energy_residual.abs());
-                    for i in [0, 1] {
-                        states[i][y.state[i] as usize - 1] += 1;
-                    }
-                    held += u32::from(y.held);
-                    told += changes.iter().filter(|(_, old, new)| old != new).count();
-                },
-            );
-            println!("{name}, h = {h} s: {residual:.1e} of {turnover:.1e} J");
-            assert!(
-                residual < UNBALANCED * turnover,
-                "{name}: {residual} of {turnover} J"
-            );
+        let mut all = Seen::default();
+        for (seed, h) in [(0, 1e-4), (1, 1e-3), (2, 1.7e-3), (3, 1e-2), (4, 2e-2)] {
+            check(name, &p, most, seed, h, &mut all);
         }
-        println!("{name}: {states:?}, {held} held, {told} changes");
+        println!("{name}: {all:?}");
+        let often = all.states.as_flattened().iter().all(|count| *count > 500);
         assert!(
-            states.as_flattened().iter().all(|count| *count > 500),
-            "{name}: {states:?}"
+            often && all.held > 300 && all.changes > 500,
+            "{name}: {all:?}"
         );
-        assert!(held > 300 && told > 500, "{name}: {held}, {told}");
+    }
+}
+
+/// Rigid gears that lose power, both clutches engaged, strained against each other beyond what one of them can carry
+/// without loss: five drives on which they slipped the wrong way, slipped by themselves or carried too much.
+#[test]
+fn what_strains_in_gears_that_lose_power_stands_until_it_can_move() {
+    let (name, p, most) = boxes()[4];
+    let drives = [
+        (1345, 1e-3),
+        (1022, 2e-3),
+        (1023, 5e-3),
+        (1097, 2e-2),
+        (1463, 2e-2),
+    ];
+    for (seed, h) in drives {
+        check(name, &p, most, seed, h, &mut Seen::default());
     }
 }
 
