@@ -1,4 +1,4 @@
-"""A measured value, its limit and its verdict."""
+"""A measured value, its limit and its verdict; or one that is only told."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 
 @dataclass
 class Gate:
-    """A measured value and its limit."""
+    """A measured value and its limit; without one it is not judged."""
 
     name: str
     value: float
-    limit: float
+    limit: float | None
     unit: str = "x"
     at_least: bool = False
     beside: str = ""
@@ -19,6 +19,8 @@ class Gate:
     @property
     def passed(self) -> bool:
         """Whether the value keeps the limit."""
+        if self.limit is None:
+            return True
         kept = self.value >= self.limit if self.at_least else self.value <= self.limit
         return bool(kept)
 

@@ -122,8 +122,10 @@ def table(gates: list[Gate]) -> str:
     """The gates as a table for people."""
     lines = [f"{'gate':32} {'value':>9} {'limit':>12}"]
     for gate in gates:
-        limit = f"{'>=' if gate.at_least else '<='} {gate.limit:g} {gate.unit}"
-        verdict = "pass" if gate.passed else "MISSED"
+        limit, verdict = "", ""
+        if gate.limit is not None:
+            limit = f"{'>=' if gate.at_least else '<='} {gate.limit:g} {gate.unit}"
+            verdict = "pass" if gate.passed else "MISSED"
         lines.append(
             f"{gate.name:32} {gate.value:9.4g} {limit:>12}  {verdict:6}  {gate.beside}".rstrip()
         )
