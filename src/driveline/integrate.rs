@@ -45,6 +45,8 @@ use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant::matrices::Systems;
 use crate::rung::builder::{Active, Builder};
+use crate::rung::lanes::{Lanes, dot};
+use crate::rung::start::CLUTCH_RAMPS;
 use crate::rung::watch::Watch;
 pub use crate::rung::{Motion, Rung, Start};
 use nalgebra::SMatrix;
@@ -86,6 +88,25 @@ pub struct Propagators {
     rungs: [[Rung; LADDER + 1]; 4],
     /// By engaged clutches: what watches both over the longest rung.
     watches: [[Watch; 2]; 4],
+    /// By engaged clutches: what reads the change of ω_w over the longest rung.
+    wheels: [Lanes<CLUTCH_RAMPS>; 4],
+}
+
+/// The rung of a whole step, and what reads from its start where it leads.
+#[derive(Clone, Copy)]
+pub(crate) struct Longest<'a> {
+    pub(crate) rung: &'a Rung,
+    /// What watches both clutches.
+    pub(crate) watches: &'a [Watch; 2],
+    wheels: &'a Lanes<CLUTCH_RAMPS>,
+}
+
+impl Longest<'_> {
+    /// ω_w(t) − ω_w(0) [rad/s], from the first entries of a start.
+    #[inline(always)]
+    pub(crate) fn wheel_speed_change<const N: usize>(&self, z: &Lanes<N>) -> f64 {
+        dot(self.wheels, z)
+    }
 }
 
 impl Propagators {
@@ -95,6 +116,7 @@ impl Propagators {
         systems: Systems::EMPTY,
         rungs: [[Rung::ZERO; LADDER + 1]; 4],
         watches: [[Watch::BLIND; 2]; 4],
+        wheels: [Lanes::ZERO; 4],
     };
 
     /// Propagators of a driveline for a communication step.
@@ -115,6 +137,7 @@ impl Propagators {
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
             if self.systems.coupling.engageable(set) == set {
                 fill_ladder(rungs, &self.systems, set, self.h);
+                self.wheels[set] = rungs[LADDER].wheel_row();
                 let rows = &self.systems.by_stuck[set].rows;
                 self.watches[set] =
                     [0, 1].map(|i| Watch::new(&rungs[LADDER], rows, i, set >> i & 1 == 1));
@@ -135,9 +158,14 @@ impl Propagators {
 }
 
 impl Propagators {
-    /// The rung of the whole step, and what watches both clutches over it.
-    pub(crate) fn longest(&self, stuck: usize) -> (&Rung, &[Watch; 2]) {
-        (&self.rungs[stuck & 3][LADDER], &self.watches[stuck & 3])
+    /// The rung of the whole step.
+    #[inline(always)]
+    pub(crate) fn longest(&self, stuck: usize) -> Longest<'_> {
+        Longest {
+            rung: &self.rungs[stuck & 3][LADDER],
+            watches: &self.watches[stuck & 3],
+            wheels: &self.wheels[stuck & 3],
+        }
     }
 }
 

@@ -30,8 +30,39 @@ use nalgebra::ComplexField;
 pub struct JerkFilter {
     /// V1, V2 [m/s], shape (2).
     pub state: [f64; 2],
-    /// h/τ of the last step, and exp(−h/τ).
-    decay: (f64, f64),
+    step: Step,
+}
+
+/// What a step of one length makes of the filters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    /// h/τ.
+    ratio: f64,
+    /// exp(−h/τ): what is left of where V1 was.
+    decay: f64,
+    /// How far V1 and V2 stay behind V, for its change over the step; shape (2).
+    lag: [f64; 2],
+}
+
+impl Step {
+    /// No step.
+    const NONE: Self = Self {
+        ratio: 0.0,
+        decay: 1.0,
+        lag: [0.0; 2],
+    };
+
+    #[cold]
+    #[inline(never)]
+    fn new(ratio: f64) -> Self {
+        let decay = ComplexField::exp(-ratio);
+        let first = (1.0 - decay) / ratio;
+        Self {
+            ratio,
+            decay,
+            lag: [first, 2.0 * first - decay],
+        }
+    }
 }
 
 impl JerkFilter {
@@ -39,7 +70,7 @@ impl JerkFilter {
     pub const fn at(v: f64) -> Self {
         Self {
             state: [v, v],
-            decay: (0.0, 1.0),
+            step: Step::NONE,
         }
     }
 
@@ -48,14 +79,14 @@ impl JerkFilter {
     /// `v`, `v_end`: speed at the start and the end of the step [m/s]. `h`: step [s]. `tau`: τ [s], > 0.
     pub fn advance(&mut self, v: f64, v_end: f64, h: f64, tau: f64) {
         let ratio = h / tau;
-        if self.decay.0 != ratio {
-            self.decay = (ratio, ComplexField::exp(-ratio));
+        if self.step.ratio != ratio {
+            self.step = Step::new(ratio);
         }
-        let lag = (v_end - v) / ratio; // how far a low-pass stays behind this ramp
-        let (first, second) = (self.state[0] - v + lag, self.state[1] - v + 2.0 * lag);
+        let Step { decay, lag, .. } = self.step;
+        let ([first, second], change) = (self.state.map(|filtered| filtered - v), v_end - v);
         self.state = [
-            v_end - lag + first * self.decay.1,
-            v_end - 2.0 * lag + (second + first * ratio) * self.decay.1,
+            v_end + first * decay - change * lag[0],
+            v_end + (second + first * ratio) * decay - change * lag[1],
         ];
     }
 
@@ -84,7 +115,7 @@ impl JerkFilter {
 
 #[cfg(test)]
 mod tests {
-    use super::JerkFilter;
+    use super::{JerkFilter, Step};
 
     const TAU: f64 = 0.02;
 
@@ -134,7 +165,7 @@ mod tests {
         let (v, slope, h) = (|t: f64| 3.0 + 2.0 * t, 2.0, 1e-6);
         let mut filter = JerkFilter {
             state: [2.9, 2.7],
-            decay: (0.0, 1.0),
+            step: Step::NONE,
         };
         let before = (filter.acceleration(TAU), filter.jerk(v(0.0), TAU));
         let rates = (before.1, filter.jerk_rate(v(0.0), slope, TAU));

@@ -151,7 +151,7 @@ impl Plant {
             gear: input.gear,
             temperature: [0, 1].map(|i| p.clutch[i].thermal.at_start()),
             stored_at_start: systems.stored_energy(&x),
-            grade: Grade::NONE.at(&p.road, input.phi),
+            grade: Grade::NONE.at(p, input.phi),
             ..Self::AT_REST
         };
         let mut place = None;
@@ -192,15 +192,15 @@ impl Plant {
         rate: &InputRate,
         mut report: impl FnMut(f64, [Mode; 6], [Mode; 6]),
     ) {
-        if !self.step_quietly(p, ladders, input, rate) {
+        if !rate.is_held() || self.step_plainly(p, ladders, input).is_none() {
             self.step_in_blocks(p, ladders, input, rate, &mut report);
         }
     }
 
-    /// A step that may hold events.
+    /// Like [`Self::step_observed`], for a step that [`Self::step_plainly`] does not take: it may hold events.
     #[cold]
     #[inline(never)] // the ordinary step need not have its stack
-    fn step_in_blocks(
+    pub fn step_in_blocks(
         &mut self,
         p: &Params,
         ladders: &mut impl Ladders,
@@ -214,7 +214,7 @@ impl Plant {
         let (mut done, mut piece, mut events) = (0, 0, 0);
         let mut cap = LADDER;
         let before = self.all_modes();
-        self.grade.become_of(&p.road, now.phi);
+        self.grade.become_of(p, now.phi);
         self.change_gears(p, &now, &rate);
         self.resolve_all(p, ladders, &now, &rate, &Event::default());
         report(0.0, before, self.all_modes());
@@ -328,7 +328,7 @@ impl Plant {
         }
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);
-        let grade = self.grade.at(&p.road, input.phi);
+        let grade = self.grade.at(p, input.phi);
         let (t_v, _) = input.load_torque(p, &grade, self.x[W], self.brake.direction());
         let load = Load::new(
             p,

@@ -22,7 +22,7 @@
 
 pub(crate) mod builder;
 pub(crate) mod held;
-mod lanes;
+pub(crate) mod lanes;
 mod loss;
 mod series;
 pub(crate) mod start;
@@ -36,7 +36,7 @@ use crate::rung::held::{COMPLIANT, Held, RIGID};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::loss::Loss;
 pub use crate::rung::start::Start;
-use crate::rung::start::{BUILT, ENTRIES, Entries, RAMPS, moving};
+use crate::rung::start::{BUILT, CLUTCH_RAMPS, ENTRIES, Entries, RAMPS, moving};
 
 /// First row of the angles.
 pub(crate) const ANGLE: usize = STATES;
@@ -195,7 +195,7 @@ impl Rung {
     /// Motion from a start; torques of clutches and ramps that are zero cost nothing.
     pub fn motion(&self, start: &Start) -> Motion {
         let mut motion = self.motion_held(start);
-        for entry in RAMPS {
+        for entry in [RAMPS[0], RAMPS[1], RAMPS[2]] {
             if start.entries[entry] != 0.0 {
                 add(&mut motion.0, &self.columns[entry], start.entries[entry]);
             }
@@ -203,20 +203,20 @@ impl Rung {
         motion
     }
 
-    /// Motion from a start, as if no torque had a ramp.
+    /// Motion from a start, as if no torque but the load had a ramp.
     #[inline(never)] // a function of its own has registers for it
     fn motion_held(&self, start: &Start) -> Motion {
         let (x, entries) = (&start.x, &start.entries);
         let sliding = [1, 2].map(|q| start.torque(q)) != [0.0; 2];
         if self.rigid {
-            let held = Held::<RIGID>::new(self, x, entries.first(), sliding);
-            let shafts = self.ratio.map(|ratio| ratio * held.rows[2]);
+            let rigid = Held::<RIGID>::new(self, x, &entries.first(), sliding).rows;
+            let shafts = self.ratio.map(|ratio| ratio * rigid[2]);
             let mut rows = [0.0; ALL];
-            rows[..MAIN].copy_from_slice(&held.rows);
+            rows[..MAIN].copy_from_slice(&rigid);
             rows[MAIN..MAIN + 2].copy_from_slice(&shafts);
             Motion(rows)
         } else {
-            Motion(Held::<COMPLIANT>::new(self, x, entries.first(), sliding).rows)
+            Motion(Held::<COMPLIANT>::new(self, x, &entries.first(), sliding).rows)
         }
     }
 
@@ -228,6 +228,11 @@ impl Rung {
     /// Change of the state by an entry alone, shape (10).
     pub(crate) fn change_by(&self, entry: usize) -> State {
         Motion(self.columns[entry].0).end(&State::zeros())
+    }
+
+    /// What reads ω_w(t) − ω_w(0) [rad/s] from the first entries of a start.
+    pub(crate) fn wheel_row(&self) -> Lanes<CLUTCH_RAMPS> {
+        Lanes(core::array::from_fn(|entry| self.columns[entry].0[3]))
     }
 
     /// Whether both shafts follow the output rigidly, so that their entries move nothing.

@@ -12,6 +12,7 @@
 
 use nalgebra::ComplexField;
 
+use crate::Params;
 use crate::params::RoadParams;
 
 /// Argument beyond which tanh is 1 to the last bit.
@@ -19,6 +20,8 @@ const SATURATED: f64 = 22.0;
 /// Change of an argument up to which the Padé approximant of tanh of it, x (945 + 105 x² + x⁴) over
 /// 945 + 420 x² + 15 x⁴, is exact to round-off: its error is x¹⁰/10⁷ of it.
 const NEAR: f64 = 0.1;
+/// Correction of ω_w [rad/s] whose square, the error left by Newton's step on the load, is below round-off.
+pub(crate) const LOAD_SETTLED: f64 = 1e-8;
 
 impl RoadParams {
     /// T_v of (11): load torque at the wheel [N·m], positive when it brakes forward motion.
@@ -148,6 +151,8 @@ pub struct Grade {
     roll: f64,
     /// Wheel speed whose V/V_ε is [`SATURATED`] [rad/s].
     fast: f64,
+    /// The rolling resistance is smooth, and no friction varies: between events a step takes no decisions.
+    pub(crate) plain: bool,
     /// V/V_ε where the wheels last travelled slowly, and its tanh.
     ratio: f64,
     direction: f64,
@@ -170,15 +175,16 @@ impl Grade {
         drag: 0.0,
         roll: 0.0,
         fast: 0.0,
+        plain: false,
         ratio: 0.0,
         direction: 0.0,
     };
 
-    /// A grade of `phi` [rad] of a road; this one where it is the same.
+    /// A grade of `phi` [rad]; this one where it is the same.
     #[inline(always)]
-    pub(crate) fn at(&self, road: &RoadParams, phi: f64) -> Self {
+    pub(crate) fn at(&self, p: &Params, phi: f64) -> Self {
         let mut grade = *self;
-        grade.become_of(road, phi);
+        grade.become_of(p, phi);
         grade
     }
 
@@ -188,23 +194,25 @@ impl Grade {
         phi == self.phi
     }
 
-    /// Becomes a grade of `phi` [rad] of a road, which is the same at every call.
+    /// Becomes a grade of `phi` [rad] with parameters that are the same at every call.
     #[inline(always)]
-    pub(crate) fn become_of(&mut self, road: &RoadParams, phi: f64) {
+    pub(crate) fn become_of(&mut self, p: &Params, phi: f64) {
         if !self.is_of(phi) {
-            self.turn(road, phi);
+            self.turn(p, phi);
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn turn(&mut self, road: &RoadParams, phi: f64) {
+    fn turn(&mut self, p: &Params, phi: f64) {
+        let road = &p.road;
         (self.phi, self.sin, self.cos) = (phi, ComplexField::sin(phi), ComplexField::cos(phi));
         let (r_w, weight) = (road.r_w, road.weight());
         self.climb = r_w * weight * self.sin;
         self.drag = 0.5 * road.rho_air * road.a_v * road.c_drag * r_w * r_w * r_w;
         self.roll = r_w * weight * self.cos * road.c_rr;
         self.fast = SATURATED * road.v_eps / r_w;
+        self.plain = road.v_eps > 0.0 && !p.friction_varies();
     }
 
     /// Load where the wheels turn at `omega_w` [rad/s], V_ε > 0, with its slope: see [`RoadParams::smooth_load`].
@@ -236,6 +244,28 @@ impl Grade {
     fn fast_load(&self, omega_w: f64) -> (f64, f64) {
         let (flow, slope) = self.flowing(omega_w);
         (flow + self.roll.copysign(omega_w), slope)
+    }
+
+    /// Ramp of T_v [N·m/s] over `t` [s] that meets its end, where the wheels stay fast and one step of Newton's
+    /// method finds it: along the parabola the load is above its tangent by drag Δω_w².
+    ///
+    /// `slope`: of T_v at the start. `held`: change of ω_w if T_v stays as it is [rad/s]. `gain`: what the ramp adds.
+    #[inline(always)]
+    pub(crate) fn fast_ramp(
+        &self,
+        omega_w: f64,
+        slope: f64,
+        held: f64,
+        gain: f64,
+        t: f64,
+    ) -> Option<f64> {
+        let tangent = slope * held / (t - slope * gain);
+        let change = held + gain * tangent;
+        let above = self.drag.copysign(omega_w) * change;
+        let correction = above * change / (t - (slope + above + above) * gain);
+        let settled = (gain * correction).abs() < LOAD_SETTLED;
+        let fast = omega_w.abs() - change.abs() > self.fast;
+        (settled && fast).then_some(tangent + correction)
     }
 
     /// Climb and drag [N·m], and the slope of both over ω_w [N·m·s/rad].
@@ -302,7 +332,7 @@ mod tests {
     #[test]
     fn the_smooth_load_of_a_smeared_resistance_is_all_of_it_with_its_slope() {
         let road = Params::TABLE_1.road;
-        let grade = Grade::NONE.at(&road, 0.04);
+        let grade = Grade::NONE.at(&Params::TABLE_1, 0.04);
         for omega_w in [-40.0, -0.1, 0.0, 0.03, 1.0, 90.0] {
             let (load, slope) = road.smooth_load(omega_w, &grade);
             assert!((load - road.load_torque(omega_w, 0.04)).abs() < 1e-9);
@@ -313,7 +343,7 @@ mod tests {
     #[test]
     fn near_a_speed_the_load_is_what_it_is_there() {
         let road = Params::TABLE_1.road;
-        let mut grade = Grade::NONE.at(&road, 0.04);
+        let mut grade = Grade::NONE.at(&Params::TABLE_1, 0.04);
         for ratio in [-40.0, -22.05, -3.0, -0.3, 0.0, 0.01, 0.7, 4.0, 21.95, 30.0] {
             let omega_w = ratio * road.v_eps / road.r_w;
             let (here, here_slope) = grade.travel(&road, omega_w);
@@ -335,7 +365,13 @@ mod tests {
             v_eps: 0.0,
             ..Params::TABLE_1.road
         };
-        let grade = Grade::NONE.at(&road, 0.03);
+        let grade = Grade::NONE.at(
+            &Params {
+                road,
+                ..Params::TABLE_1
+            },
+            0.03,
+        );
         let (fast, dry) = (20.0, road.dry_rolling(grade.cos));
         assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(grade.cos) == 0.0);
         for omega_w in [fast, -fast] {

@@ -18,7 +18,7 @@ use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
-use dct_driveline::plant::matrices::{State, W};
+use dct_driveline::plant::matrices::{C, D, E, O, State, W};
 use dct_driveline::plant::mesh::Meshes;
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
@@ -148,6 +148,13 @@ impl Plant {
         self.propagation.make_room();
     }
 
+    /// Puts the speeds of the outputs where rows point that read them from the state.
+    fn show_speeds(&mut self) {
+        let (x, y) = (&mut self.state.x, &self.y);
+        (x[E], x[D], x[O], x[W]) = (y.omega_e, y.omega_d, y.omega_o, y.omega_w);
+        [x[C], x[C + 1]] = y.omega_c;
+    }
+
     /// Outputs with the inputs at the communication point.
     fn read_outputs(&mut self, input: &driveline::Input) {
         let coupling = self.state.coupling();
@@ -161,17 +168,64 @@ impl Plant {
         ];
     }
 
+    /// Takes a step that is plain, else does nothing: see [`driveline::Plant::step_plainly`].
+    #[inline(always)]
+    fn step_plainly(&mut self, input: &driveline::Input, step: f64) -> Option<f64> {
+        if self.gear != self.refused || !self.u_rate.is_zero() {
+            return None;
+        }
+        let mut ladders = OneStep {
+            propagation: &mut self.propagation,
+            step,
+        };
+        self.state.step_plainly(&self.p, &mut ladders, input)
+    }
+
+    /// Takes a step that may hold events, and logs them; returns [`driveline::Plant::size`].
+    #[cold]
+    #[inline(never)]
+    fn step_closely(
+        &mut self,
+        input: &driveline::Input,
+        time: f64,
+        step: f64,
+        log: &mut Log<'_>,
+    ) -> f64 {
+        let rate = self.rate(input, step);
+        let settled = self.gear == self.state.gear && self.gear == self.refused;
+        if !settled || self.state.synchroniser != [Mode::Open; 2] {
+            self.tell_gears(input, &rate, time, log);
+        }
+        let mut ladders = OneStep {
+            propagation: &mut self.propagation,
+            step,
+        };
+        let mut tell = |after, from: [Mode; 6], to: [Mode; 6]| {
+            for i in (0..PARTS.len()).filter(|i| from[*i] != to[*i]) {
+                let (at, part) = (time + after, PARTS[i]);
+                log.event(format_args!(
+                    "t = {at} s: {part} {:?} -> {:?}",
+                    from[i], to[i]
+                ));
+            }
+        };
+        self.state
+            .step_in_blocks(&self.p, &mut ladders, input, &rate, &mut tell);
+        self.state.size()
+    }
+
     /// Refuses to go on with what is no number: every output is a sum of products of two of these terms.
-    fn check_finite(&self, time: f64) -> Result<(), Failure> {
+    ///
+    /// `size`: [`driveline::Plant::size`], or what a step changed of it.
+    fn check_finite(&self, size: f64, time: f64) -> Result<(), Failure> {
         let [_, second] = self.jerk_filter.state; // behind the first, which is behind the speed
-        let terms = self.state.size() + second;
-        if terms.is_finite() {
+        if (size + second).is_finite() {
             return Ok(());
         }
         let variables = [
-            (crate::ports::ENGINE_SPEED, self.y.omega_e),
-            (crate::ports::OUTPUT_SPEED, self.y.omega_o),
-            (crate::ports::WHEEL_SPEED, self.y.omega_w),
+            (crate::ports::ENGINE_SPEED, self.state.x[E]),
+            (crate::ports::OUTPUT_SPEED, self.state.x[O]),
+            (crate::ports::WHEEL_SPEED, self.state.x[W]),
             (crate::ports::DRIVE_SHAFT_TORQUE, self.y.t_o),
         ];
         let found = variables.iter().find(|(_, value)| !value.is_finite());
@@ -208,37 +262,20 @@ impl Model for Plant {
         self.find_propagators();
         self.jerk_filter = JerkFilter::at(v);
         self.read_outputs(&input);
-        self.check_finite(time)
+        self.check_finite(self.state.size(), time)
     }
 
     fn step(&mut self, time: f64, step: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         check_step(step, table::LONGEST_STEP)?;
-        let input = self.input();
-        let rate = self.rate(&input, step);
-        let settled = self.gear == self.state.gear && self.gear == self.refused;
-        if !settled || self.state.synchroniser != [Mode::Open; 2] {
-            self.tell_gears(&input, &rate, time, log);
-        }
-        let (p, speed) = (&*self.p, self.speed());
-        let mut ladders = OneStep {
-            propagation: &mut self.propagation,
-            step,
+        let (input, speed) = (self.input(), self.speed());
+        let size = match self.step_plainly(&input, step) {
+            Some(size) => size,
+            None => self.step_closely(&input, time, step, log),
         };
-        self.state
-            .step_observed(p, &mut ladders, &input, &rate, |after, from, to| {
-                for i in (0..PARTS.len()).filter(|i| from[*i] != to[*i]) {
-                    let (at, part) = (time + after, PARTS[i]);
-                    log.event(format_args!(
-                        "t = {at} s: {part} {:?} -> {:?}",
-                        from[i], to[i]
-                    ));
-                }
-            });
-        let speed_end = p.road.r_w * self.state.x[W];
         self.jerk_filter
-            .advance(speed, speed_end, step, self.jerk_time);
-        self.state.write_speeds(p, &mut self.y);
-        self.check_finite(time + step)
+            .advance(speed, self.speed(), step, self.jerk_time);
+        self.y.t_o = self.state.drive_shaft_torque(&self.p);
+        self.check_finite(size, time + step)
     }
 
     fn update_outputs(&mut self) {
@@ -252,6 +289,7 @@ impl Model for Plant {
         direction.y = self
             .state
             .tangent(&self.p, systems, &input, &State::zeros(), &du);
+        direction.show_speeds();
     }
 
     fn slopes(&mut self, copy: &mut Self) {

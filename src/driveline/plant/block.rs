@@ -22,7 +22,7 @@ use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};
 use crate::plant::tie::share_guards;
-use crate::shaft::Grade;
+use crate::shaft::{Grade, LOAD_SETTLED};
 
 /// Index of T_v among the torques.
 pub(crate) const LOAD: usize = TORQUES - 1;
@@ -30,8 +30,6 @@ pub(crate) const LOAD: usize = TORQUES - 1;
 const BRAKE: usize = 2;
 /// Newton steps on the load at the end of a block; each squares the error left.
 const LOAD_ITERATIONS: u32 = 3;
-/// Correction of ω_w [rad/s] whose square, the error left by Newton's step, is below round-off.
-const LOAD_SETTLED: f64 = 1e-8;
 
 /// v with friction torques in slipping clutches, shape (4).
 ///
@@ -100,7 +98,7 @@ impl Block {
         factor: [f64; 2],
     ) -> Self {
         let input_end = input.after(rate, rung.t);
-        let grade = plant.grade.at(&p.road, input.phi);
+        let grade = plant.grade.at(p, input.phi);
         let (t_v, _) = input.load_torque(p, &grade, plant.x[W], plant.brake.direction());
         let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
         let v = plant.with_synchronisers(p, v);
@@ -115,7 +113,7 @@ impl Block {
             input: *input,
             input_end,
             rate: *rate,
-            grade_end: grade.at(&p.road, input_end.phi),
+            grade_end: grade.at(p, input_end.phi),
         }
     }
 
@@ -232,7 +230,7 @@ impl Block {
             } else {
                 &self.input
             };
-            let grade = self.grade_end.at(&p.road, input.phi);
+            let grade = self.grade_end.at(p, input.phi);
             let x_dot = system.derivative(&x, &v);
             guards[BRAKE] = brake::guards(p, &grade, brake, &x, &x_dot, input, &self.rate);
         }

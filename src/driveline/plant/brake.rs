@@ -103,7 +103,7 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
-        let grade = &self.grade.at(&p.road, input.phi);
+        let grade = &self.grade.at(p, input.phi);
         let capacity = input.brake_capacity(p, grade);
         let standing =
             self.brake == Mode::Stuck || event.wheel_reached || self.x[W].abs() <= STANDSTILL;

@@ -17,13 +17,16 @@ impl Plant {
         y
     }
 
-    /// Of [`Self::outputs`] the speeds and the torques T_d and T_o into their places.
-    pub fn write_speeds(&self, p: &Params, y: &mut Output) {
-        let x = &self.x;
-        (y.omega_e, y.omega_d, y.omega_c) = (x[E], x[D], [x[C], x[C + 1]]);
-        (y.omega_o, y.omega_w) = (x[O], x[W]);
-        y.t_d = p.k_d * x[TWIST_D] + p.c_d * (x[E] - x[D]);
-        y.t_o = drive_shaft_torque(p, x);
+    /// T_o of (10) [N·m].
+    pub fn drive_shaft_torque(&self, p: &Params) -> f64 {
+        drive_shaft_torque(p, &self.x)
+    }
+
+    /// [`Self::size`] of what an ordinary step changes.
+    #[inline(always)]
+    pub(crate) fn moved(&self) -> f64 {
+        let [one, two] = self.work.friction;
+        squares(&self.x) + (self.work.engine + self.work.load + self.work.viscous + (one + two))
     }
 
     /// A sum of squares of states and of everything booked: not finite as soon as any of them is not.
@@ -114,7 +117,7 @@ impl Plant {
         let grade = if self.grade.is_of(input.phi) {
             &self.grade
         } else {
-            turned = self.grade.at(&p.road, input.phi);
+            turned = self.grade.at(p, input.phi);
             &turned
         };
         if input.t_brake == 0.0 && p.road.v_eps > 0.0 {

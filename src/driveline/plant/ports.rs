@@ -58,14 +58,14 @@ impl Input {
 pub struct Work {
     /// By the engine.
     pub engine: f64,
+    /// Done against the road load, dry rolling resistance included.
+    pub load: f64,
     /// Lost in the clutches, shape (2).
     pub friction: [f64; 2],
     /// Lost in dampers and shafts.
     pub viscous: f64,
     /// Lost in synchronisers, elastic energy let go by gears that go out included.
     pub synchroniser: f64,
-    /// Done against the road load, dry rolling resistance included.
-    pub load: f64,
     /// Lost in the brake.
     pub brake: f64,
 }

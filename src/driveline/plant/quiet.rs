@@ -12,34 +12,39 @@ use crate::plant::block::{LOAD, load_ramp, torques};
 use crate::plant::matrices::{C, D, State, Systems, Torques, W};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Mode, ZERO_SLIP, project, stuck_set};
-use crate::plant::ports::{Input, InputRate};
-use crate::rung::held::{COMPLIANT, Held, RIGID};
+use crate::plant::ports::Input;
+use crate::rung::held::{COMPLIANT, Held, RIGID, entries};
+use crate::rung::lanes::Lanes;
 use crate::rung::start::{RAMPS, TORQUE};
 
 impl Plant {
-    /// Takes the step of the ladders, if it is plain that it holds no event; returns whether it did.
+    /// Takes the step of the ladders with inputs that are held, if it is plain that it holds no event; else does
+    /// nothing. Returns [`Self::size`] as far as the step changed it.
     #[inline(always)]
-    pub(crate) fn step_quietly(
+    pub fn step_plainly(
         &mut self,
         p: &Params,
         ladders: &mut impl Ladders,
         input: &Input,
-        rate: &InputRate,
-    ) -> bool {
-        if !self.is_plain(p, input, rate) {
-            return false;
+    ) -> Option<f64> {
+        self.grade.become_of(p, input.phi);
+        let plain = self.grade.plain
+            && self.has_clutches_only()
+            && input.gear == self.gear
+            && input.t_brake <= 0.0;
+        if !plain {
+            return None;
         }
         let propagators = ladders.of(p, self.gear.into());
-        self.grade.become_of(&p.road, input.phi);
         let set = stuck_set(self.modes);
-        if propagators.longest(set).0.is_rigid() {
+        if propagators.longest(set).rung.is_rigid() {
             self.take::<RIGID>(p, propagators, set, input)
         } else {
             self.take::<COMPLIANT>(p, propagators, set, input)
         }
     }
 
-    /// Takes a step of which only the clutches may say that it holds an event; returns whether it did.
+    /// Takes a step of which only the clutches may say that it holds an event, if they do not.
     #[inline(never)] // a function of its own has registers for it
     fn take<const N: usize>(
         &mut self,
@@ -47,8 +52,9 @@ impl Plant {
         propagators: &Propagators,
         set: usize,
         input: &Input,
-    ) -> bool {
-        let (rung, _) = propagators.longest(set);
+    ) -> Option<f64> {
+        let longest = propagators.longest(set);
+        let rung = longest.rung;
         let here = self.grade.travel(&p.road, self.x[W]);
         let sliding = self.modes[0].slips() || self.modes[1].slips();
         let friction = if sliding {
@@ -57,30 +63,46 @@ impl Plant {
         } else {
             [0.0; 2]
         };
-        let z = Held::entries(rung, &self.x, [input.t_e, here.0], friction);
-        let mut held = Held::<N>::new(rung, &self.x, z, sliding);
-        let ramp = load_ramp(rung, here, held.wheel_speed_change(), |change| {
+        let mut z = entries::<N>(rung, &self.x, [input.t_e, here.0], friction);
+        z[RAMPS[LOAD]] = self.load_ramp(p, rung, here, longest.wheel_speed_change(&z));
+        let holds = |i: usize| self.holds(p, input, i, propagators, set, &z);
+        let quiet = holds(0) && holds(1);
+        quiet.then(|| {
+            self.arrive(rung, &z, sliding, &propagators.systems, set);
+            self.moved()
+        })
+    }
+
+    /// Ramp of T_v [N·m/s] that meets (11) at the end of the step, see [`load_ramp`].
+    ///
+    /// `here`: T_v at the start [N·m], and its slope. `held`: change of ω_w if T_v stays as it is [rad/s].
+    #[inline(always)]
+    fn load_ramp(&self, p: &Params, rung: &Rung, here: (f64, f64), held: f64) -> f64 {
+        let gain = rung.wheel_speed_by_load_ramp();
+        self.grade
+            .fast_ramp(self.x[W], here.1, held, gain, rung.t)
+            .unwrap_or_else(|| self.slow_ramp(p, rung, here, held))
+    }
+
+    #[cold]
+    #[inline(never)] // most steps do not need it
+    fn slow_ramp(&self, p: &Params, rung: &Rung, here: (f64, f64), held: f64) -> f64 {
+        load_ramp(rung, here, held, |change| {
             p.road.load_near(self.x[W] + change, &self.grade)
-        });
-        held.add_load_ramp(rung, ramp);
-        let quiet = [0, 1]
-            .into_iter()
-            .all(|i| self.is_quiet(p, input, i, propagators, set, &held));
-        if quiet {
-            self.arrive(rung, &held, &propagators.systems, set);
-        }
-        quiet
+        })
     }
 
     /// Books a step and takes its end.
-    #[inline(always)]
+    #[inline(never)] // a function of its own has registers for it
     fn arrive<const N: usize>(
         &mut self,
         rung: &Rung,
-        held: &Held<N>,
+        z: &Lanes<N>,
+        sliding: bool,
         systems: &Systems,
         set: usize,
     ) {
+        let held = Held::new(rung, &self.x, z, sliding);
         let [engine, load] = held.work();
         self.work.engine += engine;
         self.work.load += load;
@@ -96,52 +118,39 @@ impl Plant {
         remove_slip(systems, set, &mut self.x);
     }
 
-    /// Whether no part but the clutches may have an event, and what acts on them is held.
+    /// Whether neither brake nor synchroniser nor mesh has a mode.
     #[inline(always)]
-    fn is_plain(&self, p: &Params, input: &Input, rate: &InputRate) -> bool {
-        self.brake == Mode::Open
-            && self.synchroniser == [Mode::Open; 2]
-            && self.meshes == Meshes::IDEAL
-            && input.gear == self.gear
-            && input.t_brake <= 0.0
-            && p.road.v_eps > 0.0
-            && rate.is_held()
-            && !p.friction_varies()
+    fn has_clutches_only(&self) -> bool {
+        const { assert!(Mode::Open as u8 == 0) };
+        let ([one, two], Meshes { load, output }) = (self.synchroniser, self.meshes);
+        let parts = [self.brake, one, two, load[0], load[1], output];
+        parts.iter().fold(0, |bits, mode| bits | *mode as u8) == 0
     }
 
     /// Whether clutch `i` plainly stays what it is from one end of the step to the other.
     #[inline(always)]
-    fn is_quiet<const N: usize>(
+    fn holds<const N: usize>(
         &self,
         p: &Params,
         input: &Input,
         i: usize,
         propagators: &Propagators,
         set: usize,
-        held: &Held<N>,
+        z: &Lanes<N>,
     ) -> bool {
-        let (force, (rung, watches)) = (input.force[i], propagators.longest(set));
+        let force = input.force[i];
         match self.modes[i] {
             Mode::Open => force <= 0.0,
             Mode::Stuck => {
                 let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n * force;
-                watches[i].most(&held.z) < reach || self.sticks(reach, i, propagators, set, held)
+                let watch = &propagators.longest(set).watches[i];
+                watch.most(z) < reach || self.sticks(reach, i, propagators, set, z)
             }
-            sliding => {
-                let direction = sliding.direction();
-                let slip = direction * (self.x[D] - self.x[C + i]);
-                let slip_end = slip + direction * held.slip_change(rung, i);
-                let rate = direction * watches[i].rate(&held.z);
-                force > 0.0
-                    && slip > ZERO_SLIP
-                    && slip_end >= 0.0
-                    && (slip + rate * rung.t >= 0.0
-                        || direction * self.slip_rate_at_end(i, propagators, set, held) <= 0.0)
-            }
+            sliding => force > 0.0 && self.slides(sliding.direction(), i, propagators, set, z),
         }
     }
 
-    /// Whether clutch `i` plainly stays engaged, by a closer look: its torque within `reach` [N·m] at both ends, and
+    /// Whether engaged clutch `i` plainly stays so, by a closer look: its torque within `reach` [N·m] at both ends, and
     /// between them where it goes one way.
     #[cold]
     #[inline(never)]
@@ -151,48 +160,46 @@ impl Plant {
         i: usize,
         propagators: &Propagators,
         set: usize,
-        held: &Held<N>,
+        z: &Lanes<N>,
     ) -> bool {
-        let (rung, watches) = propagators.longest(set);
-        let [start, end, rate] = watches[i].read(&held.z);
+        let longest = propagators.longest(set);
+        let [start, end, rate] = longest.watches[i].read(z);
+        let rate_at_end = || {
+            let (x, v) = self.end(longest.rung, z);
+            let rows = &propagators.systems.by_stuck[set].rows;
+            rows.torque_rate[i].of(&x, &v) + rows.torque[i].of_torque(LOAD, z[RAMPS[LOAD]])
+        };
         start.abs() < reach
             && end.abs() < reach
-            && (start.abs() + rate.abs() * rung.t <= reach
-                || rate * self.torque_rate_at_end(i, propagators, set, held) >= 0.0)
+            && (start.abs() + rate.abs() * longest.rung.t <= reach || rate * rate_at_end() >= 0.0)
     }
 
-    /// Rate of the torque of engaged clutch `i` at the end [N·m/s].
-    fn torque_rate_at_end<const N: usize>(
+    /// Whether clutch `i` plainly slides on in a direction.
+    #[inline(never)] // most steps have none
+    fn slides<const N: usize>(
         &self,
+        direction: f64,
         i: usize,
         propagators: &Propagators,
         set: usize,
-        held: &Held<N>,
-    ) -> f64 {
-        let (x, v) = self.end(propagators.longest(set).0, held);
-        let rows = &propagators.systems.by_stuck[set].rows;
-        let by_ramp = rows.torque[i].of_torque(LOAD, held.z[RAMPS[LOAD]]);
-        rows.torque_rate[i].of(&x, &v) + by_ramp
-    }
-
-    /// Rate of the slip of clutch `i` at the end [rad/s²].
-    #[cold]
-    #[inline(never)]
-    fn slip_rate_at_end<const N: usize>(
-        &self,
-        i: usize,
-        propagators: &Propagators,
-        set: usize,
-        held: &Held<N>,
-    ) -> f64 {
-        let (x, v) = self.end(propagators.longest(set).0, held);
-        propagators.systems.by_stuck[set].rows.slip_rate[i].of(&x, &v)
+        z: &Lanes<N>,
+    ) -> bool {
+        let longest = propagators.longest(set);
+        let slip = direction * (self.x[D] - self.x[C + i]);
+        let [change, rate] = longest.watches[i].slip(z).map(|value| direction * value);
+        let rate_at_end = || {
+            let (x, v) = self.end(longest.rung, z);
+            direction * propagators.systems.by_stuck[set].rows.slip_rate[i].of(&x, &v)
+        };
+        slip > ZERO_SLIP
+            && slip + change >= 0.0
+            && (slip + rate * longest.rung.t >= 0.0 || rate_at_end() <= 0.0)
     }
 
     /// State and torques at the end.
-    fn end<const N: usize>(&self, rung: &Rung, held: &Held<N>) -> (State, Torques) {
-        let (z, mut x) = (&held.z, self.x);
-        held.end(rung, &mut x);
+    fn end<const N: usize>(&self, rung: &Rung, z: &Lanes<N>) -> (State, Torques) {
+        let mut x = self.x;
+        Held::new(rung, &self.x, z, true).end(rung, &mut x);
         let mut v = Torques::from(TORQUE.map(|at| z[at]));
         v[LOAD] += z[RAMPS[LOAD]] * rung.t;
         (x, v)
@@ -226,8 +233,9 @@ fn remove_slip(systems: &Systems, set: usize, x: &mut State) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Input, InputRate, Mode, Plant, Propagators};
+    use super::{Input, Mode, Plant, Propagators};
     use crate::Params;
+    use crate::plant::InputRate;
 
     /// Round-off of a step: slip of an engaged clutch is removed in another order.
     const ROUND_OFF: f64 = 1e-9;
@@ -253,8 +261,7 @@ mod tests {
         let mut plain = 0;
         for _ in 0..steps {
             let mut other = plant;
-            let held = InputRate::default();
-            let quiet = plant.step_quietly(p, &mut propagators, input, &held);
+            let quiet = plant.step_plainly(p, &mut propagators, input).is_some();
             plain += u32::from(quiet);
             other.step(p, &mut propagators, input, &BY_BLOCKS);
             if !quiet {
@@ -299,16 +306,14 @@ mod tests {
             ..Input::default()
         };
         let plant = Plant::start(&p, &input, 90.0, 2.0);
-        let plain = |plant: Plant, p: &Params, input: &Input, rate: &InputRate| {
+        let plain = |plant: Plant, p: &Params, input: &Input| {
             let mut propagators = Propagators::new(p, plant.coupling(), 1e-3);
             let mut after = plant;
-            let plain = after.step_quietly(p, &mut propagators, input, rate);
+            let plain = after.step_plainly(p, &mut propagators, input).is_some();
             assert!(plain || after == plant);
             plain
         };
-        let held = InputRate::default();
-        assert!(plain(plant, &p, &input, &held));
-        assert!(!plain(plant, &p, &input, &BY_BLOCKS));
+        assert!(plain(plant, &p, &input));
         let (braked, other) = (
             Input {
                 t_brake: 1.0,
@@ -324,26 +329,26 @@ mod tests {
             ..input
         };
         for input in [braked, other, released] {
-            assert!(!plain(plant, &p, &input, &held));
+            assert!(!plain(plant, &p, &input));
         }
         let preselected = Input {
             gear: [1, 0],
             ..input
         };
-        assert!(!plain(plant, &p, &preselected, &held));
+        assert!(!plain(plant, &p, &preselected));
         let synchronising = Plant {
             synchroniser: [Mode::Open, Mode::Forward],
             ..plant
         };
-        assert!(!plain(synchronising, &p, &input, &held));
+        assert!(!plain(synchronising, &p, &input));
         let held_wheels = Plant {
             brake: Mode::Stuck,
             ..plant
         };
-        assert!(!plain(held_wheels, &p, &input, &held));
+        assert!(!plain(held_wheels, &p, &input));
         let mut dry = p;
         dry.road.v_eps = 0.0;
-        assert!(!plain(plant, &dry, &input, &held));
+        assert!(!plain(Plant::start(&dry, &input, 90.0, 2.0), &dry, &input));
         let mut slow = plant;
         slow.x[1] = slow.x[2] + 1e-6;
         assert!(!plain(
@@ -352,8 +357,7 @@ mod tests {
             &Input {
                 t_e: -500.0,
                 ..input
-            },
-            &held
+            }
         ));
     }
 }

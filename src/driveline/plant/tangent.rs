@@ -137,7 +137,7 @@ impl Plant {
 
     /// Change of T_v of (11) with the brake [N·m].
     fn load_change(&self, p: &Params, input: &Input, d_omega_w: f64, du: &InputRate) -> f64 {
-        let grade = self.grade.at(&p.road, input.phi);
+        let grade = self.grade.at(p, input.phi);
         let direction = self.brake_direction();
         let (_, slope) = input.load_torque(p, &grade, self.x[W], direction);
         let rolls = if p.road.v_eps > 0.0 {

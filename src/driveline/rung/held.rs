@@ -16,60 +16,47 @@ pub(crate) const COMPLIANT: usize = CLUTCH_RAMPS;
 const _: () = assert!(RIGID == MAIN && COMPLIANT == ALL);
 
 /// What a rung makes of a start whose torques are held.
-pub(crate) struct Held<const N: usize> {
+pub(crate) struct Held<'a, const N: usize> {
     /// The entries that count.
-    pub(crate) z: Lanes<N>,
+    z: &'a Lanes<N>,
     /// T_c1 or T_c2 is a friction torque.
     sliding: bool,
     /// Change of the state, angles and moments: the rows of a [`Motion`](crate::integrate::Motion).
     pub(crate) rows: [f64; N],
 }
 
-impl<const N: usize> Held<N> {
-    /// Motion from the first entries of a start, without ramps.
+/// The first entries of a start.
+///
+/// `torques`: T_e, T_v [N·m]. `friction`: T_c1, T_c2 [N·m].
+#[inline(always)]
+pub(crate) fn entries<const N: usize>(
+    rung: &Rung,
+    x: &State,
+    torques: [f64; 2],
+    friction: [f64; 2],
+) -> Lanes<N> {
+    let (x, mut z) = (&x.data.0[0], Lanes::ZERO);
+    (z[0], z[1]) = (x[TWIST_D], x[TWIST_O]);
+    (z[2], z[3]) = (x[E] - x[D], x[W] - x[O]);
+    (z[TORQUE[0]], z[TORQUE[3]]) = (torques[0], torques[1]);
+    (z[CLUTCHES], z[CLUTCHES + 1]) = (friction[0], friction[1]);
+    if N == COMPLIANT {
+        for i in [0, 1] {
+            z[SHAFTS + i] = x[TWIST_T + i];
+            z[SHAFTS + 2 + i] = x[C + i] - rung.ratio[i] * x[O];
+        }
+    }
+    z
+}
+
+impl<'a, const N: usize> Held<'a, N> {
+    /// Motion from the first entries of a start.
     ///
     /// `sliding`: T_c1 or T_c2 is a friction torque.
     #[inline(always)]
-    pub(crate) fn new(rung: &Rung, x: &State, z: Lanes<N>, sliding: bool) -> Self {
-        let mut held = Self {
-            z,
-            sliding,
-            rows: [0.0; N],
-        };
-        held.move_over(rung, x);
-        held
-    }
-
-    /// The entries of a start.
-    ///
-    /// `torques`: T_e, T_v [N·m]. `friction`: T_c1, T_c2 [N·m].
-    #[inline(always)]
-    pub(crate) fn entries(
-        rung: &Rung,
-        x: &State,
-        torques: [f64; 2],
-        friction: [f64; 2],
-    ) -> Lanes<N> {
-        let (x, mut z) = (&x.data.0[0], Lanes::ZERO);
-        (z[0], z[1]) = (x[TWIST_D], x[TWIST_O]);
-        (z[2], z[3]) = (x[E] - x[D], x[W] - x[O]);
-        (z[TORQUE[0]], z[TORQUE[3]]) = (torques[0], torques[1]);
-        (z[CLUTCHES], z[CLUTCHES + 1]) = (friction[0], friction[1]);
-        if N == COMPLIANT {
-            for i in [0, 1] {
-                z[SHAFTS + i] = x[TWIST_T + i];
-                z[SHAFTS + 2 + i] = x[C + i] - rung.ratio[i] * x[O];
-            }
-        }
-        z
-    }
-
-    #[inline(always)]
-    fn move_over(&mut self, rung: &Rung, x: &State) {
-        let (z, mut rows) = (&self.z, [0.0; N]);
-        let Lanes(first) = rung.columns[0];
-        (0..N).for_each(|k| rows[k] = first[k] * z[0]);
-        for (column, z) in rung.columns[1..CORE].iter().zip(&z[1..]) {
+    pub(crate) fn new(rung: &Rung, x: &State, z: &'a Lanes<N>, sliding: bool) -> Self {
+        let mut rows = [-0.0; N]; // what a first sum leaves as it is
+        for (column, z) in rung.columns[..CORE].iter().zip(&z[..]) {
             add(&mut rows, column, *z);
         }
         if N == COMPLIANT {
@@ -77,7 +64,7 @@ impl<const N: usize> Held<N> {
                 add(&mut rows, column, *z);
             }
         }
-        if self.sliding {
+        if sliding {
             for (column, z) in rung.columns[CLUTCHES..].iter().zip(&z[CLUTCHES..SHAFTS]) {
                 if *z != 0.0 {
                     add(&mut rows, column, *z);
@@ -88,36 +75,7 @@ impl<const N: usize> Held<N> {
         (rows[6], rows[7]) = (rows[6] + engine, rows[7] + wheels);
         let half = 0.5 * rung.t;
         (rows[8], rows[9]) = (rows[8] + half * wheels, rows[9] + half * engine);
-        self.rows = rows;
-    }
-
-    /// ω_w(t) − ω_w(0) [rad/s].
-    #[inline(always)]
-    pub(crate) fn wheel_speed_change(&self) -> f64 {
-        self.rows[3]
-    }
-
-    /// Gives the load a ramp [N·m/s].
-    #[inline(always)]
-    pub(crate) fn add_load_ramp(&mut self, rung: &Rung, ramp: f64) {
-        self.z[RAMPS[3]] = ramp;
-        add(&mut self.rows, &rung.columns[RAMPS[3]], ramp);
-    }
-
-    /// Change of ω_ci [rad/s].
-    #[inline(always)]
-    fn shaft_speed_change(&self, rung: &Rung, i: usize) -> f64 {
-        if N == COMPLIANT {
-            self.rows[MAIN + i]
-        } else {
-            rung.ratio[i] * self.rows[2]
-        }
-    }
-
-    /// Change of ω_d − ω_ci [rad/s].
-    #[inline(always)]
-    pub(crate) fn slip_change(&self, rung: &Rung, i: usize) -> f64 {
-        self.rows[1] - self.shaft_speed_change(rung, i)
+        Self { z, sliding, rows }
     }
 
     /// x(t), from x(0).
@@ -137,12 +95,13 @@ impl<const N: usize> Held<N> {
         }
     }
 
-    /// Work of T_e and of T_v [J].
+    /// Work of T_e and of T_v, and of their ramps [J].
     #[inline(always)]
     pub(crate) fn work(&self) -> [f64; 2] {
-        let (z, rows) = (&self.z, &self.rows);
+        let (z, rows) = (self.z, &self.rows);
+        let engine = z[TORQUE[0]] * rows[6] + z[RAMPS[0]] * rows[9];
         let load = z[TORQUE[3]] * rows[7] + z[RAMPS[3]] * rows[8];
-        [z[TORQUE[0]] * rows[6], load]
+        [engine, load]
     }
 
     /// Work of friction torques [J], shape (2); None: there are none.
@@ -150,7 +109,7 @@ impl<const N: usize> Held<N> {
     /// `x`: state at the start.
     #[inline(always)]
     pub(crate) fn friction_work(&self, rung: &Rung, x: &State) -> Option<[f64; 2]> {
-        let work = |i: usize| self.z[CLUTCHES + i] * rung.worked_angle(x, &self.z, i);
+        let work = |i: usize| self.z[CLUTCHES + i] * rung.worked_angle(x, self.z, i);
         self.sliding.then(|| [work(0), work(1)])
     }
 
@@ -159,7 +118,7 @@ impl<const N: usize> Held<N> {
     /// `x`: state at the start.
     #[inline(always)]
     pub(crate) fn viscous_loss(&self, rung: &Rung, x: &State) -> f64 {
-        rung.loss.of_held(&self.z, self.sliding, x[O])
+        rung.loss.of_held(self.z, self.sliding, x[O])
     }
 }
 

@@ -65,7 +65,7 @@ impl Loss {
     /// The loss [J] where T_e, T_c1 and T_c2 have no ramps.
     ///
     /// `z`: first entries of a start. `sliding`: T_c1 or T_c2 is not zero. `omega_o`: output speed [rad/s].
-    #[inline(never)] // a function of its own has registers for it
+    #[inline(always)]
     pub(crate) fn of_held<const N: usize>(&self, z: &Lanes<N>, sliding: bool, omega_o: f64) -> f64 {
         let mut sum = Lanes([-0.0; N]); // what a first sum leaves as it is
         add(&mut sum, &self.ramps[0], z[LOAD_RAMP]);

@@ -1,6 +1,7 @@
 //! What an importer sets, and what becomes of it: inputs of the driveline with their rates.
 
 use super::Plant;
+use dct_driveline::Params;
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{self as driveline, InputRate};
 
@@ -39,25 +40,15 @@ impl Inputs {
 
 impl Plant {
     /// Inputs of the driveline at the communication point.
+    #[inline(never)] // a function of its own has registers for it
     pub(super) fn input(&self) -> driveline::Input {
         driveline::Input {
             t_e: self.u.engine_torque,
-            force: self.force(self.u.position, self.u.pressure),
+            force: force(&self.p, self.u.position, self.u.pressure),
             gear: self.gear,
             t_brake: self.u.brake_torque,
             phi: self.u.grade,
         }
-    }
-
-    /// F_n of both clutches [N].
-    fn force(&self, position: [f64; 2], pressure: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let actuation = Actuation {
-                position: position[i],
-                pressure: pressure[i],
-            };
-            self.p.clutch[i].force(actuation)
-        })
     }
 
     /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
@@ -67,7 +58,11 @@ impl Plant {
         }
         let end = |value: [f64; 2], rate: [f64; 2]| [0, 1].map(|i| value[i] + rate[i] * step);
         let position = end(self.u.position, self.u_rate.position);
-        let force = self.force(position, end(self.u.pressure, self.u_rate.pressure));
+        let force = force(
+            &self.p,
+            position,
+            end(self.u.pressure, self.u_rate.pressure),
+        );
         InputRate {
             t_e: self.u_rate.engine_torque,
             force: [0, 1].map(|i| (force[i] - start.force[i]) / step),
@@ -90,4 +85,16 @@ impl Plant {
             phi: du.grade,
         }
     }
+}
+
+/// F_n of both clutches [N].
+#[inline(always)]
+fn force(p: &Params, position: [f64; 2], pressure: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let actuation = Actuation {
+            position: position[i],
+            pressure: pressure[i],
+        };
+        p.clutch[i].force(actuation)
+    })
 }

@@ -9,6 +9,7 @@ use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
 use crate::rows::table;
 use crate::vehicle::{POSITIVE, actuator, damper, driveline, road, transfer_shafts};
+use dct_driveline::plant::matrices::{C, D, E, O, W};
 use dct_driveline::plant::modes::Mode;
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 
@@ -133,7 +134,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     Variable::output(
         ports::ENGINE_SPEED,
         U::RADIAN_PER_SECOND,
-        |m: &mut Plant| &mut m.y.omega_e,
+        |m: &mut Plant| &mut m.state.x[E],
         "omega_e of (1): engine speed",
     )
     .slope(|m| &mut m.y.omega_e)
@@ -141,7 +142,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     Variable::output(
         ports::DAMPER_SPEED,
         U::RADIAN_PER_SECOND,
-        |m: &mut Plant| &mut m.y.omega_d,
+        |m: &mut Plant| &mut m.state.x[D],
         "omega_d of (2): speed of the damper's output side",
     )
     .slope(|m| &mut m.y.omega_d)
@@ -149,7 +150,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     Variable::output(
         ports::OUTPUT_SPEED,
         U::RADIAN_PER_SECOND,
-        |m: &mut Plant| &mut m.y.omega_o,
+        |m: &mut Plant| &mut m.state.x[O],
         "omega_o of (8): speed of the output shaft",
     )
     .slope(|m| &mut m.y.omega_o)
@@ -157,7 +158,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     Variable::output(
         ports::WHEEL_SPEED,
         U::RADIAN_PER_SECOND,
-        |m: &mut Plant| &mut m.y.omega_w,
+        |m: &mut Plant| &mut m.state.x[W],
         "omega_w of (9): speed of the wheels",
     )
     .slope(|m| &mut m.y.omega_w)
@@ -215,7 +216,8 @@ const TORQUES: [Variable<Plant>; 3] = [
         "T_d of (3): torque of the torsional damper",
     )
     .slope(|m| &mut m.y.t_d)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .on_demand(),
     Variable::output(
         ports::DRIVE_SHAFT_TORQUE,
         U::NEWTON_METRE,
@@ -246,7 +248,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
         Variable::output(
             ports::CLUTCH_SPEED[I],
             U::RADIAN_PER_SECOND,
-            |m: &mut Plant| &mut m.y.omega_c[I],
+            |m: &mut Plant| &mut m.state.x[C + I],
             "omega_c of (4), (5): speed of the input shaft",
         )
         .slope(|m| &mut m.y.omega_c[I])
