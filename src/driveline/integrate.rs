@@ -11,17 +11,20 @@
 //! For torques that are ramps a rung has no error of method, at any step and any stiffness; what is left:
 //!
 //! - Series. The shortest rung, h/4^6, is halved until ‖A t‖ ≤ 0.05 in the larger of the row-sum and the
-//!   column-sum norm; terms are added down to 10⁻¹⁹ of the first one.
+//!   column-sum norm; terms are added down to 10⁻¹⁹ of the first one. Table 1 has ‖A‖ = 8·10⁶ 1/s, six halvings at 1 ms;
+//!   their number grows with log₂ ‖A‖, so an inertia near 0 costs doublings, not accuracy.
 //! - Round-off. Each doubling adds about one unit in the last place of E, and there are twelve of them plus
 //!   the halvings. E and not Ψ is doubled because Ψ of the slow modes is 1 in nearly all its digits: the
 //!   change of a speed over a tick would be lost in it. A rung agrees with four of the one below to 10⁻⁹
 //!   of a state of order 100, which the tests demand.
 //! - Losses. ∫ ψᵀ V ψ over the shortest rung is taken by Gauss' rule with three nodes, whose error is
-//!   t⁷/2 016 000 times a sixth derivative of the power, at most (2 ‖A‖)⁶ times it: below 5·10⁻¹³ of the loss at
+//!   t⁷/2 016 000 times a sixth derivative of the power, at most (2 ‖A‖)⁶ ‖V‖ |z|²: below 5·10⁻¹³ of ‖V‖ |z|² t at
 //!   ‖A t‖ = 0.05. From there it doubles exactly.
+//! - Ties. Two clutches engaged on rigid shafts determine their torques by a 2 × 2 system with the determinant
+//!   (g1 − g2)²: it loses digits as the ratios meet, and where they are one the split is not determined.
 //!
 //! [`Plant::energy_residual`] shows what all of them come to over a run: tests demand less than 10⁻⁹ of the
-//! engine's work. Arithmetic is plain f64 in a fixed order, without fused operations, so that every
+//! engine's work, and find 10⁻¹³. Arithmetic is plain f64 in a fixed order, without fused operations, so that every
 //! platform gets the same bits.
 //!
 //! [`Plant::energy_residual`]: crate::plant::Plant::energy_residual
@@ -32,6 +35,25 @@
 //! starts on a multiple of its own length and still fits, so a step without events is one product with
 //! the top rung, and a step that is cut at a tick needs at most three blocks of each level on the way down
 //! and three on the way up: some forty products with those that are given up, whatever the step.
+//!
+//! # Events are located to a tick
+//!
+//! A guard g has to stay ≥ 0: slip in the direction of sliding, capacity left, normal force, wheel speed under the brake. A block
+//! is given up for the next lower level if g < −10⁻¹⁰ at its end, or if the tangents of g at both ends meet below that. At
+//! one tick it is taken, and the event happens at its end. **So an event is found at most h/4096 late, and never early**,
+//! if no block hides one, that is, if the lower of the tangents bounds g from below:
+//!
+//! - where g is convex it does. A dip has convex ground, but may begin before it;
+//! - for an oscillation cos ω t it does where cos x + x sin x ≥ 1, x = ω t: up to x = 2.33, for any phase. Light damping
+//!   (ζ ≤ 0.2) moves that to 2.2, beyond which the first dip missed is a hundredth of the amplitude deep; with ζ = 1 one of
+//!   a sixteenth may hide at x = 2.
+//!
+//! The fastest oscillation of Table 1 in gears 1 and 2 is 211 rad/s (ζ 0.07): steps of 10 ms and less see every dip. That of
+//! `dry7` in gear 1 is 600 rad/s (ζ 0.25) with clutches open and 370 while clutch 2 is engaged, that of `wet6` 910 (ζ 0.45) and 590:
+//! steps of 3.5 and 2.4 ms. Beyond them a dip of the fastest mode, which dies within a few ms, may pass unseen:
+//! a clutch then slips on, or sticks on, for what is left of half a period, where it might have changed for it. The modes at the start of the
+//! next step are consistent again. On drives by chance at 10 ms (`tests/drives/laws.rs`) such a step ended at most 0.014 rad/s from
+//! sixteen short ones, in gears that lose power; with Table 1 and constant friction none did by more than 3·10⁻⁴.
 //!
 //! ```
 //! use dct_driveline::{Params, integrate::Propagators};

@@ -16,6 +16,11 @@
 //! which also gain t times the change of their speed over the first half, and the moments, which gain t times the
 //! angles of the second half and t²/2 times that change. Losses are a quadratic form, F(2t) = F(t) + Ψᵀ F(t) Ψ.
 //!
+//! So work and losses are of no lower order than the motion: for torques that are ramps the energy balance closes to
+//! round-off over any span, and an energy that does not close tells a fault of modes or matrices, not of quadrature. What
+//! an impulse takes (slip removed at an event, a gear let go) is booked where it happens. How good a rung is:
+//! [`crate::integrate`].
+//!
 //! A finished rung keeps the rows of the transfer shafts, which follow the output where they are rigid, and those
 //! of the slips, which only a slipping clutch needs, apart from what every step needs, and the losses
 //! packed: see `rung/loss.rs`.

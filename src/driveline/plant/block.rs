@@ -5,9 +5,7 @@
 //! synchroniser has left to do). A block is tried at the longest level. If a guard is below −10⁻¹⁰ at its
 //! end, or if the tangents at both ends meet below zero, so that the guard may have dipped and returned, the
 //! block is given up and the next lower level is tried; at one tick it is taken, and the event happens at its
-//! end. The tangents bound every dip that is convex. A guard that swings more than once within a block can
-//! hide a dip from them; half a period of the fastest oscillation of Table 1 (211 rad/s) is 15 ms, so steps of
-//! 10 ms and less see every one.
+//! end. [`integrate`](crate::integrate) says when the tangents bound every dip.
 //!
 //! What an event finds is at most a tick old: a slip of one tick of relative acceleration, removed by an
 //! impulse that keeps momentum; a torque above its capacity by one tick of its rate. After the event
