@@ -125,6 +125,15 @@ impl Gains {
         sigma
     }
 
+    /// Covariance of the ratios at the start by what is common to them: T_e, that they are measured by.
+    fn correlate(&self, p: &mut SMatrix<f64, N, N>) {
+        for (a, b) in RATIOS.into_iter().flat_map(|a| RATIOS.map(|b| (a, b))) {
+            if a != b {
+                p[(a, b)] = self.sigma[0] * self.sigma[0];
+            }
+        }
+    }
+
     /// Deviations of T_e and of the witnesses, shape (6).
     fn trust(&self) -> [f64; WITNESSES + 1] {
         let s = self.sigma;
@@ -172,6 +181,7 @@ impl Observer for Calibrating {
                 .map(|i| FrictionMap::new(settings.mu_n[i], settings.calibrating.friction[i])),
             ..Self::default()
         };
+        settings.calibrating.correlate(&mut self.tracker.belief.p);
         if !sample.is_finite() {
             return self.refuse(settings);
         }
