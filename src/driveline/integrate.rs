@@ -21,7 +21,8 @@
 //!   t⁷/2 016 000 times a sixth derivative of the power, at most (2 ‖A‖)⁶ ‖V‖ |z|²: below 5·10⁻¹³ of ‖V‖ |z|² t at
 //!   ‖A t‖ = 0.05. From there it doubles exactly.
 //! - Ties. Two clutches engaged on rigid shafts determine their torques by a 2 × 2 system with the determinant
-//!   (g1 − g2)²: it loses digits as the ratios meet, and where they are one the split is not determined.
+//!   (g1 − g2)²: it loses digits as the ratios meet, and where they are one the split is not determined (the FMU refuses
+//!   such gears).
 //!
 //! [`Plant::energy_residual`] shows what all of them come to over a run: tests demand less than 10⁻⁹ of the
 //! engine's work, and find 10⁻¹³. Arithmetic is plain f64 in a fixed order, without fused operations, so that every

@@ -13,6 +13,7 @@ mod shared;
 mod shelf;
 mod table;
 mod thermal;
+mod tie;
 
 use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
@@ -305,7 +306,8 @@ impl Model for Plant {
     fn consistent(&self) -> Result<(), Failure> {
         check_maps(&self.p)?;
         lining::check_curves(&self.p)?;
-        thermal::check_thermal(&self.p)
+        thermal::check_thermal(&self.p)?;
+        tie::check_ties(&self.p)
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
