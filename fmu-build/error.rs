@@ -63,6 +63,18 @@ pub enum Error {
         /// The name.
         name: String,
     },
+    /// A member of an FMU is a symbolic link.
+    Link {
+        /// Its name.
+        name: String,
+    },
+    /// A member of an FMU is packed far smaller than libraries, tables or pictures can be.
+    Bomb {
+        /// Its name.
+        name: String,
+        /// How many times smaller it may be packed.
+        ratio: u64,
+    },
     /// An FMU unpacks to more bytes than any FMU needs.
     TooLarge {
         /// The largest accepted size [bytes].
@@ -186,6 +198,11 @@ impl fmt::Display for Error {
                     "the archive member {name:?} would be unpacked outside its folder"
                 )
             }
+            Self::Link { name } => write!(f, "the archive member {name:?} is a symbolic link"),
+            Self::Bomb { name, ratio } => write!(
+                f,
+                "the archive member {name:?} is packed more than {ratio} times smaller: a bomb"
+            ),
             Self::TooLarge { limit } => write!(f, "the archive unpacks to more than {limit} bytes"),
             Self::Write(source) => write!(f, "modelDescription.xml cannot be written: {source}"),
             Self::Parse(source) => write!(f, "modelDescription.xml cannot be read: {source}"),

@@ -36,6 +36,7 @@ UNSAFE = {
     "src/master/raw/memory.rs": "the master tells the processor what it will write",
     "fmu-build/check/native.rs": "loads FMUs of any origin through their C interface",
     "fmu-build/check/native/abilities.rs": "what of that interface an FMU need not have",
+    "fmu-build/check/native/asynchronous.rs": "steps that an FMU goes on computing",
 }
 
 # The packages that may depend on each other: every other edge is a hole in a wall.

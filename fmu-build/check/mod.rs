@@ -15,6 +15,7 @@ mod refused;
 mod replay;
 mod roles;
 mod rules;
+mod text;
 mod trace;
 mod unpack;
 
@@ -24,6 +25,7 @@ use parsed::Description;
 use probe::Probe;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{fmt, fs};
@@ -32,8 +34,7 @@ use unpack::Unpacked;
 pub use probe::probe;
 pub use replay::{Replay, replay};
 
-/// Some importers' XML parsers stop at it.
-const BYTE_ORDER_MARK: &str = "\u{feff}";
+const DESCRIPTION: &str = "modelDescription.xml";
 
 /// How the generation tool of our own FMUs begins.
 const PACKER: &str = concat!(env!("CARGO_PKG_NAME"), " ");
@@ -47,6 +48,8 @@ pub struct Report {
     pub compared: usize,
     /// What is wrong or remarkable, in the order in which it was seen.
     pub findings: Vec<Finding>,
+    /// The same, to be found fast: a large FMU may have as many as it has variables.
+    known: HashSet<Finding>,
     trace: Option<PathBuf>,
 }
 
@@ -111,7 +114,7 @@ impl Report {
 
     /// Adds a finding, unless it is there already.
     fn push(&mut self, finding: Finding) {
-        if self.findings.contains(&finding) {
+        if !self.known.insert(finding.clone()) {
             return;
         }
         if let Some(folder) = &self.trace {
@@ -123,7 +126,7 @@ impl Report {
 }
 
 /// One thing that is wrong or remarkable.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Finding {
     /// How bad it is.
     pub severity: Severity,
@@ -134,7 +137,7 @@ pub struct Finding {
 }
 
 /// How bad a [`Finding`] is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The standard is broken: some importer will fail.
@@ -202,14 +205,9 @@ pub fn check(path: &Path) -> Result<Report> {
 pub fn check_with(path: &Path, options: &Options) -> Result<Report> {
     let mut report = Report::default();
     container::check(path, &mut report)?;
-    match opened(path) {
-        Ok((unpacked, description)) => {
-            report.model.clone_from(&description.model_name);
-            check_contents(&description, unpacked.folder(), options, &mut report)?;
-        }
-        // Why it cannot be unpacked was found in its directory.
-        Err(error) if !report.is_valid() => report.error("2.3", error.to_string()),
-        Err(error) => return Err(error),
+    match Unpacked::open(path) {
+        Ok(unpacked) => check_unpacked(unpacked.folder(), options, &mut report)?,
+        Err(error) => report.error("2.3", error.to_string()),
     }
     if options.strict {
         for finding in &mut report.findings {
@@ -219,16 +217,30 @@ pub fn check_with(path: &Path, options: &Options) -> Result<Report> {
     Ok(report)
 }
 
+fn check_unpacked(folder: &Path, options: &Options, report: &mut Report) -> Result<()> {
+    let Ok(bytes) = fs::read(folder.join(DESCRIPTION)) else {
+        report.error("2.3", "modelDescription.xml is missing");
+        return Ok(());
+    };
+    let Some(text) = text::read(&bytes, report) else {
+        return Ok(());
+    };
+    match parsed::parse(&text) {
+        Ok(description) => check_contents(&description, folder, options, report),
+        Err(error) => {
+            report.error("2.2", error.to_string());
+            Ok(())
+        }
+    }
+}
+
 fn check_contents(
     description: &Description,
     folder: &Path,
     options: &Options,
     report: &mut Report,
 ) -> Result<()> {
-    let file = folder.join("modelDescription.xml");
-    if fs::read(&file).is_ok_and(|bytes| bytes.starts_with(BYTE_ORDER_MARK.as_bytes())) {
-        report.error("2.2", "modelDescription.xml begins with a byte order mark");
-    }
+    report.model.clone_from(&description.model_name);
     rules::check(description, report);
     roles::check(description, report);
     let packed = description.generation_tool.starts_with(PACKER);
@@ -245,12 +257,12 @@ fn opened(path: &Path) -> Result<(Unpacked, Description)> {
 
 /// Reads the description of an unpacked FMU.
 fn described(folder: &Path) -> Result<Description> {
-    let file = folder.join("modelDescription.xml");
-    let text = fs::read_to_string(&file).map_err(|source| crate::Error::Io {
-        path: "modelDescription.xml".into(),
+    let bytes = fs::read(folder.join(DESCRIPTION)).map_err(|source| crate::Error::Io {
+        path: DESCRIPTION.into(),
         source,
     })?;
-    parsed::parse(text.trim_start_matches(BYTE_ORDER_MARK))
+    let text = text::read(&bytes, &mut Report::default());
+    parsed::parse(&text.unwrap_or_default())
 }
 
 /// Where the library for the machine that runs this program should be.

@@ -9,6 +9,10 @@ use zip::read::ZipFile;
 
 /// No FMU that people exchange is larger than this when unpacked [bytes].
 const LARGEST: u64 = 4 << 30;
+/// Members up to this size may be packed as small as they like [bytes].
+const SMALL: u64 = 16 << 20;
+/// How many times smaller others may be packed: libraries are about 3 times, zeros 1000 times.
+const RATIO: u64 = 200;
 
 /// An FMU unpacked into a folder of its own, which is removed on drop.
 pub(crate) struct Unpacked {
@@ -16,7 +20,7 @@ pub(crate) struct Unpacked {
 }
 
 impl Unpacked {
-    /// Unpacks the FMU at `path` after every member name was found to stay inside the folder.
+    /// Unpacks the FMU at `path` after every member was found to stay inside the folder, and within bounds.
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let zip_error = |source| Error::Zip {
             path: path.into(),
@@ -27,7 +31,7 @@ impl Unpacked {
             source,
         })?;
         let mut archive = ZipArchive::new(file).map_err(zip_error)?;
-        check_names(path, &mut archive)?;
+        check_members(path, &mut archive)?;
         let unpacked = Self {
             folder: new_folder()?,
         };
@@ -100,16 +104,27 @@ pub(super) fn new_folder() -> Result<PathBuf> {
     }
 }
 
-fn check_names(path: &Path, archive: &mut ZipArchive<File>) -> Result<()> {
+/// Refuses members by what the archive's directory says of them.
+fn check_members(path: &Path, archive: &mut ZipArchive<File>) -> Result<()> {
+    let mut left = LARGEST;
     for at in 0..archive.len() {
         let member = archive.by_index_raw(at).map_err(|source| Error::Zip {
             path: path.into(),
             source,
         })?;
         let name = member_name(path, &member)?;
-        if !is_safe(&name) || member.is_symlink() {
+        if !is_safe(&name) {
             return Err(Error::UnsafeMember { name });
         }
+        if member.is_symlink() {
+            return Err(Error::Link { name });
+        }
+        let size = member.size();
+        if size > SMALL && size / RATIO > member.compressed_size() {
+            return Err(Error::Bomb { name, ratio: RATIO });
+        }
+        let rest = left.checked_sub(size);
+        left = rest.ok_or(Error::TooLarge { limit: LARGEST })?;
     }
     Ok(())
 }
@@ -179,6 +194,17 @@ mod tests {
             1,
             "the temporary file was renamed"
         );
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn zeros_without_end_are_not_unpacked() {
+        let folder = new_folder().unwrap();
+        let path = folder.join("A.fmu");
+        let zeros = vec![0; usize::try_from(SMALL + 1).unwrap()];
+        package(&path, vec![("resources/zeros".into(), zeros)]).unwrap();
+        let error = Unpacked::open(&path).err().unwrap();
+        assert!(matches!(error, Error::Bomb { .. }), "{error}");
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -67,7 +67,7 @@ EXPORT Component fmi2Instantiate(const char *name, int type, const char *guid, c
     if (!allocate) return NULL;
 #endif
 #ifdef STARTS_PROGRAM
-    if (!program && !(program = fork())) execlp("sleep", "sleep", "9", (char *)NULL);
+    if (!program && !(program = vfork())) execlp("sleep", "sleep", "9", (char *)NULL);
 #endif
     finished = (void (*)(void *, Status))functions[3];
     Lag *lag = calloc(1, sizeof *lag);
