@@ -10,6 +10,7 @@ import pytest
 from dct_harness import archive
 from dct_harness.errors import FmuInvalidError
 from harness_fixture.lag_fmu import BINARY, LAG, description, harness, write_fmu
+from importer_cases import fmu
 
 XML = "modelDescription.xml"
 
@@ -139,3 +140,18 @@ def test_a_model_identifier_that_is_a_path_is_refused(
     done = harness("check", path, folder=tmp_path)
     assert done.returncode == 3
     assert "modelIdentifier" in done.stderr
+
+
+@pytest.mark.parametrize("part", [0.0005, 0.01, 0.5, 0.9])
+def test_a_library_that_is_cut_is_refused_before_it_ends_the_process(
+    tmp_path: Path, part: float
+) -> None:
+    """One of ours, which runs in the harness itself; its segments lie in the file up to the end."""
+    path = tmp_path / "F.fmu"
+    with zipfile.ZipFile(fmu("DctPlant")) as ours, zipfile.ZipFile(path, "w") as file:
+        library = ours.read("binaries/linux64/DctPlant.so")
+        file.writestr(XML, ours.read(XML))
+        file.writestr("binaries/linux64/DctPlant.so", library[: int(part * len(library))])
+    done = harness("check", path, folder=tmp_path)
+    assert done.returncode == 3, done.stderr
+    assert "the library is cut short by" in done.stderr

@@ -22,7 +22,7 @@ from .archive import described, unpack
 from .discard import finish
 from .errors import FmuInvalidError, FmuRuntimeError, PlatformError
 from .interpolation import continuous, followed
-from .loader import explain
+from .loader import explain, missing_bytes
 from .ports import GROUPS, Ports
 from .values import group_of
 
@@ -68,6 +68,9 @@ class Fmu(Ports):
 
     def _load(self, identifier: str) -> Any:
         """Load the library; fmpy changes the working directory meanwhile."""
+        cut = missing_bytes(self.library) if self.library.is_file() else 0
+        if cut:
+            raise FmuInvalidError(f"{self.path}: the library is cut short by {cut} bytes")
         here = Path.cwd()
         try:
             return fmi2.FMU2Slave(

@@ -5,11 +5,14 @@ from __future__ import annotations
 import platform
 import re
 import shutil
+import struct
 import subprocess
 from pathlib import Path
 
 LDD_SECONDS = 10.0
 GLIBC = re.compile(rb"\0GLIBC_(\d+(?:\.\d+)+)(?=\0)")
+ELF64 = b"\x7fELF\x02\x01"  # little-endian, as all platforms of FMI are
+ELF_HEADER = 64  # bytes
 # What ldd prints ("libx.so.1 => not found") and what dlopen says ("libx.so.1: cannot open …").
 MISSING = (re.compile(r"^\s*(\S+) => not found", re.MULTILINE),
            re.compile(r"(\S+): cannot open shared object file"))  # fmt: skip
@@ -41,6 +44,23 @@ def missing_libraries(library: Path, message: str) -> list[str]:
         text += "\n" + done.stdout
     names = (Path(name).name for pattern in MISSING for name in pattern.findall(text))
     return sorted(set(names) - {library.name})
+
+
+def missing_bytes(library: Path) -> int:
+    """Return how many bytes an ELF library of 64 bits lacks at its end; 0 for all other files.
+
+    The loader maps what is not there without a word, and the first look at it ends the process.
+    """
+    data = library.read_bytes()
+    if not data.startswith(ELF64) or len(data) < ELF_HEADER:
+        return 0
+    (start,) = struct.unpack_from("<Q", data, 32)
+    size, count = struct.unpack_from("<HH", data, 54)
+    heads = [start + k * size for k in range(count)]
+    if heads and heads[-1] + size > len(data):
+        return heads[-1] + size - len(data)
+    segments = [struct.unpack_from("<8xQ16xQ", data, head) for head in heads]
+    return max([0, *(offset + length - len(data) for offset, length in segments)])
 
 
 def explain(library: Path, message: str) -> str:
