@@ -291,8 +291,8 @@ impl Recorder<'_> {
 
 /// All values are numbers; false where that takes a look at each: values too large for a sum are no reason.
 fn surely_finite(values: &[f64]) -> bool {
-    let (lanes, rest) = values.as_chunks::<8>();
-    let mut sums = [0.0; 8];
+    let (lanes, rest) = values.as_chunks::<16>();
+    let mut sums = [0.0; 16];
     for lane in lanes {
         sums.iter_mut()
             .zip(lane)
@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn one_value_that_is_no_number_is_seen_wherever_it_stands() {
-        for count in 0..20 {
+        for count in 0..40 {
             let good = vec![1.0; count];
             assert!(surely_finite(&good));
             for place in 0..count {
