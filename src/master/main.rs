@@ -26,7 +26,7 @@ struct Words {
 enum Verb {
     /// Run a closed loop and write its results as CSV.
     ///
-    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports, .ssp files and noise
+    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports and .ssp files
     /// are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run --engine native`,
     /// which puts others into a process of their own.
     #[command(verbatim_doc_comment)]
@@ -59,6 +59,9 @@ struct RunWords {
     /// Scenario CSV instead of the file's.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Results (.csv) of `dct-harness run` whose noise is used, where the file has [noise].
+    #[arg(long, value_name = "FILE")]
+    noise: Option<PathBuf>,
     /// FMU to use as component `plant`.
     #[arg(long, value_name = "FMU")]
     plant: Option<PathBuf>,
@@ -153,6 +156,9 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     if let Some(file) = &words.map {
         system.map(Mapping::load(file)?)?;
     }
+    if let Some(file) = &words.noise {
+        system.noise.take(Scenario::load(file)?);
+    }
     for (component, variable, value) in words.set {
         system.set(&component, &variable, value)?;
     }
@@ -188,7 +194,7 @@ fn outcome(
     let scenario = Scenario::load(&system.scenario)?;
     let (mut plan, held) = system.plan(folder, &scenario, &mut libraries)?;
     plan.record = record;
-    let script = scenario.rows(&plan.script, &held, times);
+    let script = system.rows(&scenario, (&plan, &held), times)?;
     let job = Job {
         plan,
         times,

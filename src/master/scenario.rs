@@ -89,6 +89,17 @@ impl Scenario {
         &self.path
     }
 
+    /// Times of the rows [s].
+    pub fn times(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// The value of a column in a row; NaN where there is none.
+    pub fn at(&self, column: usize, row: usize) -> f64 {
+        let value = self.columns.get(column).and_then(|c| c.get(row));
+        value.copied().unwrap_or(f64::NAN)
+    }
+
     /// Names of the signals, in the order of the columns.
     pub fn names(&self) -> &[String] {
         &self.names
@@ -123,8 +134,7 @@ impl Scenario {
     /// A signal at `time` [s]: linear between rows, or held since the last row; before the first
     /// and after the last row the end values hold. The arithmetic is that of `numpy.interp`.
     pub fn sample(&self, column: usize, time: f64, hold: bool) -> f64 {
-        let value = |row: usize| self.columns.get(column).and_then(|c| c.get(row)).copied();
-        let at = |row: usize| value(row).unwrap_or(f64::NAN);
+        let at = |row: usize| self.at(column, row);
         let after = self.time.partition_point(|row| *row <= time);
         let row = after.saturating_sub(1);
         match (self.time.get(row), self.time.get(after)) {

@@ -4,6 +4,7 @@ use crate::description::Description;
 use crate::error::Error;
 use crate::library::{Libraries, Library};
 use crate::mapping::Mapping;
+use crate::noise::Noise;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
 use crate::suggest::did_you_mean;
@@ -35,16 +36,8 @@ struct File {
     components: IndexMap<String, Part>,
     #[serde(default)]
     connections: Vec<Connection>,
-    /// Drawn by `dct-harness`.
     #[serde(default)]
-    noise: Option<toml::Value>,
-}
-
-impl File {
-    /// What only the harness can do.
-    fn refused(&self) -> Option<&'static str> {
-        self.noise.as_ref().map(|_| "noise: none is drawn here")
-    }
+    noise: IndexMap<String, f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -109,6 +102,8 @@ pub struct System {
     pub scenario: PathBuf,
     /// Whether inputs have slopes within a step.
     pub interpolate: bool,
+    /// What is noisy.
+    pub noise: Noise,
     path: PathBuf,
     coupling: Coupling,
     parts: Vec<(String, Part)>,
@@ -130,13 +125,6 @@ impl System {
             line: error.span().map_or(0, |span| line(&text, span.start)),
             what: error.message().to_owned(),
         })?;
-        if let Some(what) = file.refused() {
-            return Err(Error::Content {
-                path: path.to_owned(),
-                line: 0,
-                what: format!("{what}; use `dct-harness run`"),
-            });
-        }
         let mut parts: Vec<(String, Part)> = file.components.into_iter().collect();
         parts.sort_by_key(|(name, _)| rank(name));
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -148,6 +136,7 @@ impl System {
             path: path.to_owned(),
             coupling: file.system.coupling,
             interpolate: file.system.interpolate,
+            noise: Noise::new(file.noise),
             parts,
             connections: file.connections,
             overrides: vec![],
@@ -219,7 +208,20 @@ impl System {
         Ok(crate::plan::communication_points(self.step, self.stop))
     }
 
-    /// Decides everything; FMU files are looked for in `folder`.
+    /// The scenario's and the noise's signals of a plan at all `times` [s], row by row.
+    pub fn rows(
+        &self,
+        scenario: &Scenario,
+        (plan, held): (&Plan, &[bool]),
+        times: &[f64],
+    ) -> Result<Vec<f64>, Error> {
+        let (scripted, noise) = plan.script.split_at(held.len().min(plan.script.len()));
+        let rows = scenario.rows(scripted, held, times);
+        self.noise.beside(rows, held.len(), noise, times)
+    }
+
+    /// Decides everything, and which of the scenario's signals are held between its rows; FMU files are looked
+    /// for in `folder`.
     pub fn plan(
         &self,
         folder: &Path,
@@ -245,7 +247,8 @@ impl System {
         });
         let seen: Vec<&Description> = seen.collect();
         wiring::wire(&mut components, &seen, &self.connections, scenario)?;
-        let (script, held) = wiring::script(&components, &seen, scenario);
+        let (mut script, held) = wiring::script(&components, &seen, scenario);
+        script.extend(self.noise.wire(&mut components, &seen, self.interpolate)?);
         if let (Some(supplier), Some(plant)) = (&supplier, plant(&mut components)) {
             plant.start = supplier.translated(&plant.start)?;
             plant.mapped = Some(supplier.plan());
@@ -373,20 +376,6 @@ mod tests {
             panic!("was read")
         };
         assert!(error.to_string().contains("loop.toml:3: "), "{error}");
-    }
-
-    #[test]
-    fn what_only_the_harness_can_do_is_refused() {
-        let plant = "[components.plant]\nfmu = \"p\"\n";
-        let noise = "[noise]\n\"plant.x\" = 0.1\n";
-        let Err(error) = load(&format!("{HEAD}{plant}{noise}")) else {
-            panic!("was read")
-        };
-        let told = error.to_string();
-        assert!(
-            told.contains("none is drawn here; use `dct-harness run`"),
-            "{told}"
-        );
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod both;
 use both::{Loop, Table, column, root, shipped};
 use cosim_master::{Job, Libraries, Outcome, Scenario, System, Watch, run_all};
 use std::num::NonZero;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
 use tempfile::TempDir;
@@ -251,4 +252,90 @@ fn sixty_four_threads_change_no_bit() {
         one.windows(2).all(|pair| pair[0] != pair[1]),
         "all runs are one"
     );
+}
+
+/// A system file beside this project's scenarios, whose sensors are noisy.
+fn noisy(folder: &Path, more: &str) -> PathBuf {
+    let text = std::fs::read_to_string(shipped("paper_case1.toml")).unwrap();
+    let scenarios = shipped("scenarios").display().to_string();
+    let noise = "\n[noise]\nseed = 7\n\"plant.wheel.speed\" = 0.05\n\"plant.engine.speed\" = 0.1\n";
+    let text = text.replace("scenarios/", &format!("{scenarios}/")) + noise + more;
+    std::fs::write(folder.join("noisy.toml"), text).unwrap();
+    folder.join("noisy.toml")
+}
+
+#[test]
+fn sensors_hear_the_noise_that_the_harness_has_drawn() {
+    let out = TempDir::new().unwrap();
+    let system = noisy(
+        out.path(),
+        "\"plant.output.speed\" = 0.0\n\"plant.damper.speed\" = 0.2\n",
+    );
+    let told = Loop {
+        system: system.clone(),
+        words: &[],
+    }
+    .by_fmpy(out.path());
+    let file = out.path().join("fmpy/results.csv").display().to_string();
+    let heard = Loop {
+        system,
+        words: &["--noise", &file],
+    }
+    .by_master(out.path());
+    assert_eq!(heard.0, told.0);
+    assert!(heard.1 == told.1, "rows differ");
+    let noise = column(&heard, "scenario.noise.plant.engine.speed");
+    assert!(noise.iter().any(|value| value.abs() > 0.2));
+    assert!(
+        !heard
+            .0
+            .contains(&"scenario.noise.plant.damper.speed".to_owned()),
+        "nobody reads it"
+    );
+}
+
+#[test]
+fn noise_that_is_not_there_is_told() {
+    let out = TempDir::new().unwrap();
+    let short = out.path().join("short.csv");
+    std::fs::write(&short, "time,scenario.noise.plant.wheel.speed\n0,0\n1,0\n").unwrap();
+    let short = short.display().to_string();
+    let fmus = root().join("target/fmu").display().to_string();
+    for (more, words, said) in [
+        (
+            "",
+            vec![],
+            "take it from results of `dct-harness run`: --noise results.csv",
+        ),
+        (
+            "",
+            vec!["--noise", &short],
+            "short.csv: is of other communication points",
+        ),
+        (
+            "",
+            vec!["--noise", &short, "--step", "1", "--stop", "1"],
+            "short.csv: has no column 'scenario.noise.plant.engine.speed'",
+        ),
+        (
+            "\"plant.speed\" = 1\n",
+            vec![],
+            "'plant.speed' of [noise] is no real output",
+        ),
+        (
+            "",
+            vec!["--interpolate"],
+            "white noise has no slopes; leave interpolate out",
+        ),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));
+        command
+            .arg("run")
+            .arg(noisy(out.path(), more))
+            .args(["--fmu-dir", &fmus]);
+        let done = command.args(words).output().unwrap();
+        let told = String::from_utf8_lossy(&done.stderr);
+        assert!(told.contains(said), "{told}");
+        assert_eq!(done.status.code(), Some(2), "{told}");
+    }
 }

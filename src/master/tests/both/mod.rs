@@ -53,7 +53,7 @@ impl Loop<'_> {
         read(&out.join("master.csv"))
     }
 
-    fn by_fmpy(&self, out: &Path) -> Table {
+    pub fn by_fmpy(&self, out: &Path) -> Table {
         let mut command = Command::new(root().join(".venv/bin/python"));
         command.args(["-m", "dct_harness.cli"]);
         command.args(self.words("run")).args(["--quiet", "--out"]);
