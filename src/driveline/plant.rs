@@ -81,6 +81,7 @@ pub mod modes;
 mod outputs;
 mod ports;
 mod quiet;
+mod quiet_mesh;
 mod rows;
 mod springs;
 mod tangent;
@@ -225,6 +226,9 @@ impl Plant {
         rate: &InputRate,
         report: &mut impl FnMut(f64, [Mode; 6], [Mode; 6]),
     ) {
+        if self.meshes != Meshes::IDEAL && self.step_in_meshes(p, ladders, input, rate) {
+            return;
+        }
         let (curves, mut place) = (p.friction_varies(), None);
         let p = p.with_static_friction(&mut place, self.temperature);
         let (mut now, mut rate) = (input.after(rate, 0.0), *rate);

@@ -165,7 +165,7 @@ impl Plant {
     /// Guards of the meshes: loads of both shafts, then the output's speed or both ends of its jam.
     ///
     /// `x`, `v`: state and torques. `rate`: their rates.
-    fn mesh_guards(
+    pub(crate) fn mesh_guards(
         &self,
         p: &Params,
         system: &System,

@@ -46,7 +46,7 @@ impl Plant {
 
     /// Takes a step of which only the clutches may say that it holds an event, if they do not.
     #[inline(never)] // a function of its own has registers for it
-    fn take<const N: usize>(
+    pub(super) fn take<const N: usize>(
         &mut self,
         p: &Params,
         propagators: &Propagators,
