@@ -81,10 +81,13 @@ def test_rows_before_a_failure_are_kept(
     assert kept.run["status"] == "partial"
 
 
-def test_a_missing_module_is_told_with_its_remedy(tmp_path: Path, lag_dir: Path) -> None:
+@pytest.mark.parametrize("module", ["None", "__import__('types').ModuleType('of_before')"])
+def test_a_module_that_is_missing_or_old_is_told_with_its_remedy(
+    tmp_path: Path, lag_dir: Path, module: str
+) -> None:
     system = write_system(tmp_path)
     script = (
-        "import sys; sys.modules['cosim_native'] = None; "
+        f"import sys; sys.modules['cosim_native'] = {module}; "
         "from dct_harness.cli import main; sys.exit(main())"
     )
     words = ("run", system, "--fmu-dir", lag_dir, "--isolate", "none", "--out", tmp_path / "o")

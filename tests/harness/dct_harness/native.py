@@ -42,6 +42,7 @@ from .values import start_value
 REMEDY = "run it with --engine fmpy"
 ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": ConfigError,
           "ended": InterruptedRunError}  # fmt: skip
+NEWEST = "Fmus"  # what cosim_native has had only since its interface is the present one
 PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
 STEPS, END = "steps", "end"  # files: how far the other process is, and that it is to end
 BEAT = 0.05  # s between two looks at the other process
@@ -219,7 +220,7 @@ def made(
     Raises
     ------
     ConfigError
-        The module `cosim_native` is not installed.
+        The module `cosim_native` is not installed, or was built for another version.
     """
     try:
         native = importlib.import_module("cosim_native")
@@ -227,6 +228,10 @@ def made(
         raise ConfigError(
             "--engine native needs the module cosim_native: `cargo xtask native` builds it"
         ) from missing
+    if not hasattr(native, NEWEST):
+        raise ConfigError(
+            "the module cosim_native is of another version: `cargo xtask native` builds it anew"
+        )
     work = ([plan], times, np.ascontiguousarray(script))
     fmus = native.Fmus(folder)
     _, rows, error, log = native.run(*work, out=out, fmus=fmus, watch=ended)[0]
