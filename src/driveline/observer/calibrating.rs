@@ -25,11 +25,11 @@
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
 //! clutches open, idle (1 s)            0.00   1.00   0.18   1.00   1.00   1.00   1.00
-//! clutch 1 slips: launch               0.12   0.07   0.25   0.28   0.27   0.65   0.24
-//! clutch 1 engages, the shaft swings   0.36   0.15   0.26   0.42   0.25   0.45   0.22
-//! clutch 1 engaged: steady drive       0.95   0.33   0.09   1.00   1.00   0.47   0.32
-//! handover                             0.28   0.07   0.26   0.71   0.53   0.45   0.31
-//! clutch 1 engaged: tip-in             0.71   0.21   0.23   0.40   0.27   0.83   0.28
+//! clutch 1 slips: launch               0.12   0.07   0.25   0.28   0.26   0.62   0.23
+//! clutch 1 engages, the shaft swings   0.35   0.15   0.26   0.43   0.26   0.46   0.23
+//! clutch 1 engaged: steady drive       0.95   0.33   0.09   0.96   0.99   0.47   0.32
+//! handover                             0.29   0.07   0.26   0.70   0.52   0.45   0.31
+//! clutch 1 engaged: tip-in             0.70   0.21   0.23   0.39   0.27   0.78   0.27
 //! ```
 //!
 //! **What cannot.** All equations are homogeneous: one common factor on torques, inertias, k and c changes no

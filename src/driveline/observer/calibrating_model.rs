@@ -240,6 +240,7 @@ mod tests {
             j_v: FACTOR * p.j_v,
             k_o: FACTOR * p.k_o,
             c_o: FACTOR * p.c_o,
+            k_t: p.k_t.map(|k| FACTOR * k),
             ..p
         };
         scaled.road.m_v *= FACTOR;

@@ -20,7 +20,7 @@
 
 use crate::Params;
 use crate::observer::Sample;
-use crate::observer::speeds::Speeds;
+use crate::observer::speeds::{Speeds, damper};
 use crate::reduced::exponential;
 use nalgebra::{RowSVector, SMatrix, SVector};
 
@@ -58,12 +58,14 @@ pub struct Behind {
 impl Behind {
     /// The model for the gears of a sample.
     pub fn new(p: &Params, sample: &Sample, engaged: Option<usize>) -> Self {
+        let speeds = Speeds::new(p, sample.gear);
+        let [k_d, c_d] = engaged.map_or([p.k_d, p.c_d], |i| damper(p, speeds.g, i));
         Self {
-            speeds: Speeds::new(p, sample.gear),
+            speeds,
             j_e: p.j_e,
             j_d: p.j_d,
-            k_d: p.k_d,
-            c_d: p.c_d,
+            k_d,
+            c_d,
             engaged,
         }
     }
@@ -151,6 +153,7 @@ mod tests {
     use super::{Behind, State, Torques};
     use crate::Params;
     use crate::observer::Sample;
+    use crate::observer::speeds::Speeds;
     use nalgebra::Vector5;
 
     const P: Params = Params::TABLE_1;
@@ -189,10 +192,12 @@ mod tests {
         for i in [0, 1] {
             let (behind, x) = (model(Some(i)), state());
             let x_dot = behind.matrices().0 * x;
-            let inertias = Vector5::new(P.j_e, behind.output(i), P.j_v, 1.0 / P.k_o, 1.0 / P.k_d);
+            let Behind { k_d, c_d, .. } = behind;
+            let Speeds { k, c, .. } = behind.speeds;
+            let inertias = Vector5::new(P.j_e, behind.output(i), P.j_v, 1.0 / k, 1.0 / k_d);
             let power = inertias.component_mul(&x).dot(&x_dot);
             let twist = x[0] - behind.speeds.g[i] * x[1];
-            let lost = P.c_o * 0.3 * 0.3 + P.c_d * twist * twist;
+            let lost = c * 0.3 * 0.3 + c_d * twist * twist;
             assert!((power + lost).abs() < 1e-7, "{power} {lost} W");
         }
     }

@@ -133,7 +133,7 @@ fn injected_errors_are_found() {
     let (alpha, deviation) = (torque.value[0], torque.deviation[0]);
     let wrong = (alpha - (1.0 / 1.05 - 1.0)).abs();
     assert!(
-        wrong < 0.007 && wrong < deviation && deviation < 0.01,
+        wrong < 0.006 && wrong < deviation && deviation < 0.01,
         "{torque:?}"
     );
     assert!((torque.value[1] + 2.0 / 1.05).abs() < 0.05, "{torque:?}");
