@@ -227,6 +227,32 @@ mod tests {
         }
     }
 
+    /// Of every clutch: an offset of T_e stands against T_k, T_s and T_v, and no speed tells it from them. It takes the
+    /// clutches open (idle), or a load that is known, to see β.
+    #[test]
+    fn one_clutch_engaged_hides_the_offset_of_the_engine_torque() {
+        const OFFSET: f64 = 2.0;
+        let (p, sample) = (Params::TABLE_1, sample());
+        for i in [0, 1] {
+            let mut x = state();
+            x[5 - i] = 0.0;
+            let motion = |x: &Vector| {
+                View::new(&p, &sample, x, Some(i), 1.0)
+                    .motion(1e-3, |slope| slope)
+                    .moved
+            };
+            let before = motion(&x);
+            let g = p.g(sample.gear)[i];
+            for (j, change) in [(7, 1.0), (4 + i, 1.0), (3, g), (6, g)] {
+                x[j] += OFFSET * change;
+            }
+            let change = motion(&x) - before;
+            assert!(change.fixed_rows::<3>(0).amax() < 1e-10, "{change}");
+            assert!((change[3] - OFFSET * g).abs() < 1e-9, "{change}");
+            assert!((change[4 + i] - OFFSET).abs() < 1e-9, "{change}");
+        }
+    }
+
     /// Homogeneity: this factor is what no filter can find from speeds.
     #[test]
     fn one_common_factor_on_all_torques_and_parameters_changes_no_speed() {

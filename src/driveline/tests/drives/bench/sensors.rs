@@ -52,6 +52,12 @@ pub fn torque_error(mut sample: Sample) -> Sample {
     sample
 }
 
+/// T_e reads 2 N·m too high.
+pub fn torque_offset(mut sample: Sample) -> Sample {
+    sample.t_e += 2.0;
+    sample
+}
+
 /// The wheel speed reads 0.01 rad/s too high.
 pub fn wheel_bias(mut sample: Sample) -> Sample {
     sample.omega_w += 0.01;
