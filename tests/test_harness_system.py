@@ -31,6 +31,8 @@ LIMIT = '[[kpis]]\nkpi = "{}"\nsignal = "clutch1.torque"\n{}\n'
      "Did you mean 'gauss-seidel'?"),
     ('fmu = "Lag.fmu"', 'fum = "Lag.fmu"', "('fum' was unexpected). Did you mean 'fmu'?"),
     ("components.plant", "components.scenario", "6:1: components: 'scenario' does not match"),
+    ('name = "lag"', 'name = "../lag"', "2:1: system.name: '../lag' does not match"),
+    ('name = "lag"', 'name = ".."', "2:1: system.name: '..' does not match"),
     ("[system]", "[system", "1:8: is not valid TOML: Expected ']' at the end of a table"),
 ])  # fmt: skip
 def test_what_the_schema_forbids_names_place_key_and_remedy(
@@ -42,6 +44,31 @@ def test_what_the_schema_forbids_names_place_key_and_remedy(
         system.load(path)
     assert str(caught.value).startswith(f"{path}:")
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["x = " + "[" * 5000, "x = " + "9" * 5000, "x = '\udcff'"])
+def test_what_no_parser_takes_is_a_sentence(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "system.toml"
+    path.write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(ConfigError, match="is not valid TOML"):
+        system.load(path)
+
+
+@pytest.mark.parametrize(("option", "said"), [
+    ("step = nan", "step = nan s"), ("step = inf", "step = inf s"),
+    ("stop = nan", "stop = nan s"), ("stop = inf", "stop = inf s"),
+    ("step = 1e-300", "step = 1e-300 s and stop = 1 s"), ("stop = 1e300", "at most 1e+08 steps"),
+])  # fmt: skip
+def test_times_without_sense_or_end_are_refused(
+    tmp_path: Path, lag_dir: Path, option: str, said: str
+) -> None:
+    path = write_system(tmp_path)
+    lines = (line for line in path.read_text().splitlines() if line[:6] != option[:6])
+    path.write_text("\n".join(lines).replace("[system]", f"[system]\n{option}"))
+    done = run(path, lag_dir)
+    assert done.returncode == 2, done.stderr
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 WIRE = '[[connections]]\nfrom = "{}"\nto = "{}"\n'

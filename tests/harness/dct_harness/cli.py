@@ -20,7 +20,7 @@ from . import (
     run_verb,
     sweep_verb,
 )
-from .errors import HarnessError, InterruptedRunError
+from .errors import ConfigError, HarnessError, InterruptedRunError
 from .suggesting import Parser
 
 VERBS = (run_verb, check_verb, map_verb, report_verb, compare_verb, convert_verb, identify_verb,
@@ -59,6 +59,9 @@ def main(argv: list[str] | None = None) -> int:
     except HarnessError as error:
         print(f"dct-harness: {error}", file=sys.stderr)
         return error.exit_code
+    except MemoryError as error:
+        print(f"dct-harness: out of memory: {error or 'fewer steps or signals'}", file=sys.stderr)
+        return ConfigError.exit_code
     except BrokenPipeError:  # `| head`: whoever reads has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CLOSED_PIPE

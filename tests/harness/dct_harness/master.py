@@ -28,8 +28,23 @@ from .transforms import Transform
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 
+MOST_STEPS = 1e8  # of a run; its times alone take 0.8 GB
+
+
 def communication_points(step: float, stop: float) -> np.ndarray:
-    """Return k * step [s] up to `stop`; the last step is shorter when stop is no multiple."""
+    """Return k * step [s] up to `stop`; the last step is shorter when stop is no multiple.
+
+    Raises
+    ------
+    ConfigError
+        A time is not finite or not above 0, or there are too many steps.
+    """
+    sound = 0 < step < math.inf and 0 < stop < math.inf
+    if not sound or not stop / step <= MOST_STEPS:
+        raise ConfigError(
+            f"step = {step:g} s and stop = {stop:g} s: both must be above 0 and finite, "
+            f"with at most {MOST_STEPS:g} steps"
+        )
     count = stop / step
     whole = round(count)
     if abs(count - whole) > STEP_TOLERANCE * max(1.0, count):

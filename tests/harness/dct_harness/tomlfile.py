@@ -59,7 +59,7 @@ def read(path: Path, what: str, schema: str) -> Document:
         raise ConfigError(f"{path}: cannot read the {what}: {error.strerror}") from error
     except TOMLDecodeError as error:
         raise ConfigError(_no_toml(path, str(error))) from error
-    except UnicodeDecodeError as error:
+    except (RecursionError, ValueError) as error:  # too deep, a number too long, no UTF-8
         raise ConfigError(f"{path}: is not valid TOML: {error}") from error
     document = Document(path, data, places(text))
     _validate(document, schema)
