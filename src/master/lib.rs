@@ -55,6 +55,7 @@ mod library;
 mod linker;
 mod mapped;
 mod mapping;
+mod names;
 mod noise;
 mod package;
 mod parallel;

@@ -4,6 +4,7 @@ use crate::description::Description;
 use crate::error::Error;
 use crate::library::{Libraries, Library};
 use crate::mapping::Mapping;
+use crate::names::Name;
 use crate::noise::Noise;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
@@ -13,6 +14,7 @@ use crate::{ssv, wiring};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -33,7 +35,7 @@ struct File {
     /// Judged by `dct-harness`.
     #[serde(default, rename = "kpis")]
     _kpis: Option<toml::Value>,
-    components: IndexMap<String, Part>,
+    components: IndexMap<Name, Part>,
     #[serde(default)]
     connections: Vec<Connection>,
     #[serde(default)]
@@ -62,11 +64,11 @@ struct Part {
     #[serde(default)]
     parameters: Parameters,
     #[serde(default = "one")]
-    substeps: u32,
+    substeps: NonZeroU32,
 }
 
-fn one() -> u32 {
-    1
+fn one() -> NonZeroU32 {
+    NonZeroU32::MIN
 }
 
 /// A table of values, the name of a parameter file, or a list of both.
@@ -125,7 +127,8 @@ impl System {
             line: error.span().map_or(0, |span| line(&text, span.start)),
             what: error.message().to_owned(),
         })?;
-        let mut parts: Vec<(String, Part)> = file.components.into_iter().collect();
+        let parts = file.components.into_iter();
+        let mut parts: Vec<_> = parts.map(|(Name(name), part)| (name, part)).collect();
         parts.sort_by_key(|(name, _)| rank(name));
         let folder = path.parent().unwrap_or(Path::new(""));
         Ok(Self {
@@ -200,7 +203,7 @@ impl System {
                 path: self.path.clone(),
                 line: 0,
                 what: format!(
-                    "step = {} s and stop = {} s must be above 0, with at most {MOST_STEPS:e} steps",
+                    "step = {:?} s and stop = {:?} s must be above 0, with at most {MOST_STEPS:e} steps",
                     self.step, self.stop
                 ),
             });
@@ -236,7 +239,7 @@ impl System {
                 start: self.values(name, part, library.description())?,
                 fmu: library.path.clone(),
                 inputs: vec![],
-                substeps: part.substeps.max(1),
+                substeps: part.substeps.get(),
                 mapped: None,
             });
         }

@@ -184,3 +184,26 @@ fn an_fmu_that_fails_in_mid_run_is_told_with_its_time() {
         492,
     );
 }
+
+#[test]
+fn a_component_that_has_no_name_or_no_steps_is_told_with_its_line() {
+    for (old, new, said) in [
+        (
+            "[components.plant]",
+            "[components.\"pl.ant\"]",
+            "'pl.ant' is no name of a component",
+        ),
+        (
+            "[components.plant]",
+            "[components.plant]\nsubsteps = 0",
+            "expected a nonzero u32",
+        ),
+        ("step = 0.001", "step = 1e-300", "step = 1e-300 s and stop"),
+    ] {
+        let place = Place::new();
+        let text = std::fs::read_to_string(place.file("loop.toml")).unwrap();
+        assert!(text.contains(old), "{old}");
+        std::fs::write(place.file("loop.toml"), text.replacen(old, new, 1)).unwrap();
+        place.check(2, said, 0);
+    }
+}
