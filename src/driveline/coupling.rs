@@ -65,6 +65,12 @@ impl Coupling {
 pub trait Ladders {
     /// The propagators of the step with this coupling.
     fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators;
+
+    /// [`Self::of`] where gears are all that is connected.
+    #[inline(always)]
+    fn of_gears(&mut self, p: &Params, gear: [i32; 2]) -> &Propagators {
+        self.of(p, gear.into())
+    }
 }
 
 impl Ladders for Propagators {

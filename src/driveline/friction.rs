@@ -22,18 +22,27 @@
 //! assert_eq!(FrictionCurve::CONSTANT.at(5.0), (1.0, 0.0));
 //! ```
 
+use crate::clutch::apart;
+
 /// Number of points of a friction curve.
 pub const CURVE_POINTS: usize = 5;
 
 /// φ: factor on μ_k over |slip|, linear between points, constant outside.
 ///
 /// `slip` ascends strictly from ≥ 0, or is 0 throughout: then φ is 1 and costs nothing.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct FrictionCurve {
     /// |slip| [rad/s], shape (CURVE_POINTS).
     pub slip: [f64; CURVE_POINTS],
     /// φ [1], shape (CURVE_POINTS), ≥ 0.
     pub factor: [f64; CURVE_POINTS],
+}
+
+/// Bit by bit, like [`ForceMap`](crate::clutch::ForceMap).
+impl PartialEq for FrictionCurve {
+    fn eq(&self, other: &Self) -> bool {
+        apart(&self.slip, &other.slip) | apart(&self.factor, &other.factor) == 0
+    }
 }
 
 impl FrictionCurve {

@@ -68,8 +68,9 @@ use crate::Params;
 use crate::coupling::Coupling;
 use crate::plant::matrices::Systems;
 use crate::rung::builder::{Active, Builder};
+use crate::rung::held::COMPLIANT;
 use crate::rung::lanes::{Lanes, dot};
-use crate::rung::start::CLUTCH_RAMPS;
+use crate::rung::start::{CLUTCH_RAMPS, HELD};
 use crate::rung::watch::Watch;
 pub use crate::rung::{Motion, Rung, Start};
 use nalgebra::SMatrix;
@@ -107,6 +108,8 @@ pub struct Propagators {
     pub h: f64,
     /// The driveline they were built for.
     pub systems: Systems,
+    /// Gears are all that their coupling connects.
+    gears_only: bool,
     /// By engaged clutches (none, 1, 2, both), then by level: level k spans 4^k ticks.
     rungs: [[Rung; LADDER + 1]; 4],
     /// By engaged clutches: what watches both over the longest rung.
@@ -126,9 +129,15 @@ pub(crate) struct Longest<'a> {
 
 impl Longest<'_> {
     /// ω_w(t) − ω_w(0) [rad/s], from the first entries of a start.
+    ///
+    /// `sliding`: T_c1 or T_c2 is a friction torque.
     #[inline(always)]
-    pub(crate) fn wheel_speed_change<const N: usize>(&self, z: &Lanes<N>) -> f64 {
-        dot(self.wheels, z)
+    pub(crate) fn wheel_speed_change<const N: usize>(&self, z: &Lanes<N>, sliding: bool) -> f64 {
+        if N == COMPLIANT || sliding {
+            dot(self.wheels, z)
+        } else {
+            dot(&self.wheels.first::<HELD>(), &z.first::<HELD>())
+        }
     }
 }
 
@@ -137,6 +146,7 @@ impl Propagators {
     pub const EMPTY: Self = Self {
         h: 0.0,
         systems: Systems::EMPTY,
+        gears_only: false,
         rungs: [[Rung::ZERO; LADDER + 1]; 4],
         watches: [[Watch::BLIND; 2]; 4],
         wheels: [Lanes::ZERO; 4],
@@ -157,6 +167,8 @@ impl Propagators {
     pub fn rebuild(&mut self, p: &Params, coupling: impl Into<Coupling>, h: f64) {
         self.h = h;
         self.systems.connect(p, coupling.into());
+        let coupling = self.systems.coupling;
+        self.gears_only = coupling == coupling.gear.into();
         for (set, rungs) in self.rungs.iter_mut().enumerate() {
             if self.systems.coupling.engageable(set) == set {
                 fill_ladder(rungs, &self.systems, set, self.h);
@@ -170,7 +182,18 @@ impl Propagators {
 
     /// Whether they serve a step of `h` [s] with this coupling; within 1e-9 relative they do.
     pub fn fits(&self, coupling: impl Into<Coupling>, h: f64) -> bool {
-        self.systems.coupling == coupling.into() && (h - self.h).abs() <= SAME_STEP * self.h
+        self.systems.coupling == coupling.into() && self.spans(h)
+    }
+
+    /// [`Self::fits`] where gears are all that is connected.
+    #[inline(always)]
+    pub fn fits_gears(&self, gear: [i32; 2], h: f64) -> bool {
+        self.gears_only && self.systems.coupling.gear == gear && self.spans(h)
+    }
+
+    #[inline(always)]
+    fn spans(&self, h: f64) -> bool {
+        h == self.h || (h - self.h).abs() <= SAME_STEP * self.h
     }
 
     /// Rung at a level with the clutches of `stuck` (bit i: clutch i) engaged, none of a shaft that is

@@ -349,8 +349,8 @@ impl Plant {
         }
         let pressed =
             [0, 1].map(|i| input.force[i] > 0.0 || !event.opened[i] && rate.force[i] > 0.0);
-        let grade = self.grade.at(p, input.phi);
-        let (t_v, _) = input.load_torque(p, &grade, self.x[W], self.brake.direction());
+        self.grade.become_of(p, input.phi);
+        let (t_v, _) = input.load_torque(p, &self.grade, self.x[W], self.brake.direction());
         let load = Load::new(
             p,
             self.with_synchronisers(p, Torques::from([input.t_e, 0.0, 0.0, t_v])),

@@ -243,11 +243,11 @@ impl Grade {
     #[inline(always)]
     fn fast_load(&self, omega_w: f64) -> (f64, f64) {
         let (flow, slope) = self.flowing(omega_w);
-        (flow + self.roll.copysign(omega_w), slope)
+        (flow + flipped(self.roll, omega_w), slope)
     }
 
-    /// Ramp of T_v [N·m/s] over `t` [s] that meets its end, where the wheels stay fast and one step of Newton's
-    /// method finds it: along the parabola the load is above its tangent by drag Δω_w².
+    /// Ramp of T_v [N·m/s] over `t` [s] that meets its end, where the wheels stay fast and one step along the tangent's
+    /// chord finds it: the parabola is above the tangent by drag Δω_w².
     ///
     /// `slope`: of T_v at the start. `held`: change of ω_w if T_v stays as it is [rad/s]. `gain`: what the ramp adds.
     #[inline(always)]
@@ -259,10 +259,10 @@ impl Grade {
         gain: f64,
         t: f64,
     ) -> Option<f64> {
-        let tangent = slope * held / (t - slope * gain);
+        let share = 1.0 / (t - slope * gain);
+        let tangent = slope * held * share;
         let change = held + gain * tangent;
-        let above = self.drag.copysign(omega_w) * change;
-        let correction = above * change / (t - (slope + above + above) * gain);
+        let correction = flipped(self.drag, omega_w) * change * change * share;
         let settled = (gain * correction).abs() < LOAD_SETTLED;
         let fast = omega_w.abs() - change.abs() > self.fast;
         (settled && fast).then_some(tangent + correction)
@@ -303,6 +303,12 @@ fn tanh_of_sum(tanh_a: f64, b: f64) -> f64 {
     (tanh_a * below + above) / (below + tanh_a * above)
 }
 
+/// `value`, with the other sign where `by` is negative.
+#[inline(always)]
+const fn flipped(value: f64, by: f64) -> f64 {
+    f64::from_bits(value.to_bits() ^ by.to_bits() & (-0.0_f64).to_bits())
+}
+
 /// sgn x, 0 at 0 [1].
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
@@ -312,7 +318,6 @@ pub(crate) fn sign(x: f64) -> f64 {
 mod tests {
     use super::Grade;
     use crate::Params;
-    use crate::params::RoadParams;
 
     #[test]
     fn slope_is_the_derivative() {
@@ -361,17 +366,9 @@ mod tests {
 
     #[test]
     fn dry_rolling_resistance_is_what_the_smooth_load_lacks() {
-        let road = RoadParams {
-            v_eps: 0.0,
-            ..Params::TABLE_1.road
-        };
-        let grade = Grade::NONE.at(
-            &Params {
-                road,
-                ..Params::TABLE_1
-            },
-            0.03,
-        );
+        let mut p = Params::TABLE_1;
+        p.road.v_eps = 0.0;
+        let (road, grade) = (p.road, Grade::NONE.at(&p, 0.03));
         let (fast, dry) = (20.0, road.dry_rolling(grade.cos));
         assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(grade.cos) == 0.0);
         for omega_w in [fast, -fast] {

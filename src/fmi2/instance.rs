@@ -21,11 +21,16 @@ pub const TIME_TOLERANCE: f64 = 1e-9;
 #[derive(Clone)]
 pub struct Instance<M: Model> {
     now: Saved<M>,
+    /// The last step that was asked for, and what it was taken as [s].
+    step: [f64; 2],
 }
 
 impl<M: Model> Default for Instance<M> {
     fn default() -> Self {
-        Self { now: Saved::new() }
+        Self {
+            now: Saved::new(),
+            step: [0.0; 2],
+        }
     }
 }
 

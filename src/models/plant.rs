@@ -24,7 +24,7 @@ use dct_driveline::plant::mesh::Meshes;
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
 use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
-use inputs::Inputs;
+use inputs::{Inputs, Pressed};
 use propagation::{OneStep, Propagation};
 use shared::Shared;
 
@@ -49,6 +49,8 @@ pub struct Plant {
     u: Inputs,
     /// Time derivatives of the inputs.
     u_rate: Inputs,
+    /// What the forces of the inputs were worked out for last, with parameters that are there since.
+    pressed: Pressed,
     /// Gears asked for, as the importer set them.
     gear: [i32; 2],
     /// Gears that were refused last, so that each refusal is logged once.
@@ -77,6 +79,7 @@ impl Default for Plant {
             jerk_time: 0.016,
             u: Inputs::default(),
             u_rate: Inputs::default(),
+            pressed: Pressed::NOWHERE,
             gear: state.gear,
             refused: state.gear,
             state,
@@ -220,7 +223,7 @@ impl Plant {
     /// `size`: [`driveline::Plant::size`], or what a step changed of it.
     fn check_finite(&self, size: f64, time: f64) -> Result<(), Failure> {
         let [_, second] = self.jerk_filter.state; // behind the first, which is behind the speed
-        if (size + second).is_finite() {
+        if (size + second).abs() < f64::INFINITY {
             return Ok(());
         }
         let variables = [
@@ -254,6 +257,7 @@ impl Model for Plant {
         self.consistent()?;
         self.tell_neutral(self.gear, time, log);
         self.refused = self.gear;
+        self.pressed = Pressed::NOWHERE;
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
         let step = Self::EXPERIMENT.step;
@@ -280,7 +284,8 @@ impl Model for Plant {
     }
 
     fn update_outputs(&mut self) {
-        self.read_outputs(&self.input());
+        let input = self.input();
+        self.read_outputs(&input);
     }
 
     fn tangent(&mut self, direction: &mut Self) {
@@ -344,6 +349,7 @@ impl Model for Plant {
     }
 
     fn restored(&mut self) {
+        self.pressed = Pressed::NOWHERE;
         self.propagation.begin(&mut self.p);
         self.find_propagators();
     }
@@ -356,7 +362,7 @@ mod tests {
 
     #[test]
     fn a_fresh_plant_is_one_that_started_at_rest() {
-        let (fresh, gear) = (Plant::default(), [1, 2]);
+        let (mut fresh, gear) = (Plant::default(), [1, 2]);
         let input = driveline::Input {
             gear,
             ..driveline::Input::default()

@@ -96,13 +96,14 @@ impl Block {
         factor: [f64; 2],
     ) -> Self {
         let input_end = input.after(rate, rung.t);
-        let grade = plant.grade.at(p, input.phi);
+        let mut grade = plant.grade.at(p, input.phi);
         let (t_v, _) = input.load_torque(p, &grade, plant.x[W], plant.brake.direction());
         let v = torques(p, plant.modes, factor, input.t_e, input.force, t_v);
         let v = plant.with_synchronisers(p, v);
         let v_dot = torques(p, plant.modes, factor, rate.t_e, rate.force, 0.0);
         let start = rung.start(&plant.x, &v, &v_dot);
         let motion = rung.motion(&start);
+        grade.become_of(p, input_end.phi);
         Self {
             t: rung.t,
             start,
@@ -111,7 +112,7 @@ impl Block {
             input: *input,
             input_end,
             rate: *rate,
-            grade_end: grade.at(p, input_end.phi),
+            grade_end: grade,
         }
     }
 

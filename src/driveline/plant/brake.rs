@@ -103,7 +103,8 @@ impl Plant {
         rate: &InputRate,
         event: &Event,
     ) {
-        let grade = &self.grade.at(p, input.phi);
+        self.grade.become_of(p, input.phi);
+        let grade = &self.grade;
         let capacity = input.brake_capacity(p, grade);
         let standing =
             self.brake == Mode::Stuck || event.wheel_reached || self.x[W].abs() <= STANDSTILL;

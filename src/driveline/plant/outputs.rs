@@ -25,8 +25,8 @@ impl Plant {
     /// [`Self::size`] of what an ordinary step changes.
     #[inline(always)]
     pub(crate) fn moved(&self) -> f64 {
-        let [one, two] = self.work.friction;
-        squares(&self.x) + (self.work.engine + self.work.load + self.work.viscous + (one + two))
+        let (squares, [one, two]) = (squares(&self.x), self.work.friction);
+        squares + (self.work.engine + self.work.load + self.work.viscous + (one + two))
     }
 
     /// A sum of squares of states and of everything booked: not finite as soon as any of them is not.

@@ -35,7 +35,7 @@ impl Plant {
         if !plain {
             return None;
         }
-        let propagators = ladders.of(p, self.gear.into());
+        let propagators = ladders.of_gears(p, self.gear);
         let set = stuck_set(self.modes);
         if propagators.longest(set).rung.is_rigid() {
             self.take::<RIGID>(p, propagators, set, input)
@@ -45,7 +45,7 @@ impl Plant {
     }
 
     /// Takes a step of which only the clutches may say that it holds an event, if they do not.
-    #[inline(never)] // a function of its own has registers for it
+    #[inline(always)]
     pub(super) fn take<const N: usize>(
         &mut self,
         p: &Params,
@@ -64,7 +64,7 @@ impl Plant {
             [0.0; 2]
         };
         let mut z = entries::<N>(rung, &self.x, [input.t_e, here.0], friction);
-        z[RAMPS[LOAD]] = self.load_ramp(p, rung, here, longest.wheel_speed_change(&z));
+        z[RAMPS[LOAD]] = self.load_ramp(p, rung, here, longest.wheel_speed_change(&z, sliding));
         let holds = |i: usize| self.holds(p, input, i, propagators, set, &z);
         let quiet = holds(0) && holds(1);
         quiet.then(|| {
@@ -123,8 +123,9 @@ impl Plant {
     fn has_clutches_only(&self) -> bool {
         const { assert!(Mode::Open as u8 == 0) };
         let ([one, two], Meshes { load, output }) = (self.synchroniser, self.meshes);
-        let parts = [self.brake, one, two, load[0], load[1], output];
-        parts.iter().fold(0, |bits, mode| bits | *mode as u8) == 0
+        // Side by side in memory: one number.
+        let four = u32::from_ne_bytes([one, two, load[0], load[1]].map(|mode| mode as u8));
+        four | u32::from(self.brake as u8 | output as u8) == 0
     }
 
     /// Whether clutch `i` plainly stays what it is from one end of the step to the other.
@@ -146,7 +147,7 @@ impl Plant {
                 let watch = &propagators.longest(set).watches[i];
                 watch.most(z) < reach || self.sticks(reach, i, propagators, set, z)
             }
-            sliding => force > 0.0 && self.slides(sliding.direction(), i, propagators, set, z),
+            slips => force > 0.0 && self.slides(slips.direction(), i, propagators, set, z),
         }
     }
 
@@ -227,7 +228,7 @@ fn remove_slip(systems: &Systems, set: usize, x: &mut State) {
     if set == 3 {
         project(systems, set, x);
     } else if set != 0 {
-        x[D] = x[C + (set >> 1)];
+        x[D] = x[C + (set >> 1 & 1)];
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::integrate::Rung;
 use crate::plant::matrices::{C, D, E, O, State, TWIST_D, TWIST_O, TWIST_T, W};
-use crate::rung::lanes::{Lanes, add, dot_apart};
+use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::start::{CLUTCH_RAMPS, CLUTCHES, CORE, RAMPS, SHAFTS, TORQUE};
 use crate::rung::{ALL, MAIN};
 
@@ -109,7 +109,10 @@ impl<'a, const N: usize> Held<'a, N> {
     /// `x`: state at the start.
     #[inline(always)]
     pub(crate) fn friction_work(&self, rung: &Rung, x: &State) -> Option<[f64; 2]> {
-        let work = |i: usize| self.z[CLUTCHES + i] * rung.worked_angle(x, self.z, i);
+        let work = |i: usize| match self.z[CLUTCHES + i] {
+            0.0 => 0.0,
+            torque => torque * rung.worked_angle(x, self.z, i),
+        };
         self.sliding.then(|| [work(0), work(1)])
     }
 
@@ -126,6 +129,6 @@ impl Rung {
     /// ∫ of what T_c1 or T_c2 works on [rad].
     #[inline(always)]
     pub(super) fn worked_angle<const N: usize>(&self, x: &State, z: &Lanes<N>, i: usize) -> f64 {
-        self.worked_speed(x, i) * self.t + dot_apart(&self.slips[i], z)
+        self.worked_speed(x, i) * self.t + dot(&self.slips[i], z)
     }
 }

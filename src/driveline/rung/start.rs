@@ -39,6 +39,8 @@ pub(crate) const BUILT: [usize; ENTRIES] = [0, 1, 2, 3, 8, 11, 15, 12, 9, 10, 4,
 pub(crate) const TORQUE: [usize; TORQUES] = [4, 8, 9, 5];
 /// Their ramps among the entries.
 pub(crate) const RAMPS: [usize; TORQUES] = [7, 14, 15, 6];
+/// Entries that every step begins with, up to T_v.
+pub(crate) const HELD: usize = 6;
 /// Entries that every step has, up to T_v'.
 pub(crate) const CORE: usize = 7;
 /// First entries of the clutches, of what only compliant transfer shafts and shafts in neutral have, and of the

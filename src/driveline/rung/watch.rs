@@ -53,8 +53,9 @@ impl Watch {
     }
 
     /// Of a clutch that slides the change of its slip, and the rate of it at the start.
+    #[inline(always)]
     pub(crate) fn slip<const N: usize>(&self, z: &Lanes<N>) -> [f64; 2] {
-        [1, 2].map(|row| dot_apart(&self.rows[row], z))
+        [1, 2].map(|row| dot(&self.rows[row], z))
     }
 }
 

@@ -70,9 +70,12 @@ impl<M: Model> Instance<M> {
         end: f64,
         log: &mut Log<'_>,
     ) -> Result<(), Error> {
+        if step != self.step[0] {
+            self.step = [step, nominal(step)];
+        }
         self.now
             .model
-            .step(time, nominal(step), log)
+            .step(time, self.step[1], log)
             .map_err(|failure| self.fail(failure))?;
         (self.now.time, self.now.stale, self.now.late) = (end, false, true);
         if M::STEPS_STAY_FINITE {

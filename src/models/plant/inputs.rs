@@ -20,6 +20,37 @@ pub(super) struct Inputs {
     pub(super) grade: f64,
 }
 
+/// Where the actuators were last, and the normal forces there.
+#[derive(Clone)]
+pub(super) struct Pressed {
+    position: [f64; 2],
+    pressure: [f64; 2],
+    /// F_n of both clutches [N].
+    force: [f64; 2],
+}
+
+impl Pressed {
+    /// Nowhere yet: no actuator is there.
+    pub(super) const NOWHERE: Self = Self {
+        position: [f64::NAN; 2],
+        pressure: [f64::NAN; 2],
+        force: [0.0; 2],
+    };
+
+    /// Whether the actuators are where they were.
+    #[inline(always)]
+    fn is_of(&self, u: &Inputs) -> bool {
+        let pairs = [
+            (self.position[0], u.position[0]),
+            (self.position[1], u.position[1]),
+            (self.pressure[0], u.pressure[0]),
+            (self.pressure[1], u.pressure[1]),
+        ];
+        let differ = |bits, (was, is): (f64, f64)| bits | was.to_bits() ^ is.to_bits();
+        pairs.into_iter().fold(0, differ) == 0
+    }
+}
+
 impl Inputs {
     /// Whether all of them are zero.
     #[inline(always)]
@@ -40,15 +71,28 @@ impl Inputs {
 
 impl Plant {
     /// Inputs of the driveline at the communication point.
-    #[inline(never)] // a function of its own has registers for it
-    pub(super) fn input(&self) -> driveline::Input {
+    #[inline(always)]
+    pub(super) fn input(&mut self) -> driveline::Input {
+        if !self.pressed.is_of(&self.u) {
+            self.press();
+        }
         driveline::Input {
             t_e: self.u.engine_torque,
-            force: force(&self.p, self.u.position, self.u.pressure),
+            force: self.pressed.force,
             gear: self.gear,
             t_brake: self.u.brake_torque,
             phi: self.u.grade,
         }
+    }
+
+    #[inline(never)] // actuators rest most of the time
+    fn press(&mut self) {
+        let (position, pressure) = (self.u.position, self.u.pressure);
+        self.pressed = Pressed {
+            position,
+            pressure,
+            force: force(&self.p, position, pressure),
+        };
     }
 
     /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.

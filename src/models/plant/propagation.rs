@@ -24,6 +24,11 @@ impl Ladders for OneStep<'_> {
     fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators {
         self.propagation.of(p, coupling, self.step)
     }
+
+    #[inline(always)]
+    fn of_gears(&mut self, p: &Params, gear: [i32; 2]) -> &Propagators {
+        self.propagation.of_gears(p, gear, self.step)
+    }
 }
 
 /// The propagators of the last few steps, from the shelf that all plants share.
@@ -74,6 +79,20 @@ impl Propagation {
         })
     }
 
+    /// [`Self::of`] where gears are all that is connected.
+    #[inline(always)]
+    pub(super) fn of_gears(&mut self, p: &Params, gear: [i32; 2], step: f64) -> &Propagators {
+        let latest = &self.kept[self.latest % KEPT];
+        if !latest
+            .as_ref()
+            .is_some_and(|kept| kept.fits_gears(gear, step))
+        {
+            self.look_for(gear.into(), step);
+        }
+        let user = &mut self.user;
+        self.kept[self.latest % KEPT].get_or_insert_with(|| find_gears(user, p, gear, step))
+    }
+
     /// Turns to the propagators that fit, or to room for them.
     #[cold]
     #[inline(never)]
@@ -98,6 +117,13 @@ impl Propagation {
         };
         &self.of(p, coupling, step).systems
     }
+}
+
+#[cold]
+#[inline(never)]
+fn find_gears(user: &mut Option<User>, p: &Params, gear: [i32; 2], step: f64) -> Arc<Propagators> {
+    let user = user.get_or_insert_with(User::new);
+    user.find(p, gear.into(), step)
 }
 
 #[cfg(test)]
