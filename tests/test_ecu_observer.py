@@ -101,19 +101,28 @@ def test_c_and_fmu_give_the_same_bits(replay: Path, loops: Runs, system: str, me
 
 
 def test_counted_speeds_are_followed_where_the_ticks_are_known(replay: Path, loops: Runs) -> None:
-    """1024 ticks over 1 ms are steps of 6 rad/s: clutch 1 is missed by less than a fifth."""
+    """1024 ticks over 1 ms are steps of 6 rad/s: clutch 1 is missed by less than 6 %.
+
+    Told or recognised; where they cannot be, as no whole ticks are left, by five times as much.
+    """
     loop = loops("methods_case1")
     table, tick = _measured(loop, "position"), 2 * np.pi / 1024
     for name in MEASURED:
         counted = np.floor(np.cumsum(table[name][1:] * np.diff(table["time"])) / tick)
         table[name] = np.append(table[name][0], np.diff(counted, prepend=0) * tick / 1e-3)
     ticks = {name.replace("speed", "encoderTicks"): 1024 for name in MEASURED}
-    known, blind = (
-        _replayed(replay, {**NOMINAL, "observer.method": 4, **told}, table)["clutch1.torque"]
-        for told in (ticks, {})
+    blurred = {**table, **{name: table[name] * (1 + 1e-5 * np.sin(np.arange(len(table[name]))))
+                           for name in MEASURED}}  # fmt: skip
+    truth = loop["plant.clutch1.torque"]
+    known, recognised, blind = (
+        np.std(
+            _replayed(replay, {**NOMINAL, "observer.method": 4, **told}, seen)["clutch1.torque"]
+            - truth
+        )
+        for told, seen in ((ticks, table), ({}, table), ({}, blurred))
     )
-    missed, was = (np.std(said - loop["plant.clutch1.torque"]) for said in (known, blind))
-    assert missed < 0.2 * was, f"{was:.2f} -> {missed:.2f} N·m"
+    missed = max(known, recognised)
+    assert missed < min(0.2 * blind, 0.06 * np.std(truth)), f"{blind:.2f} -> {missed:.2f} N·m"
 
 
 def test_what_was_learnt_starts_the_next_drive(replay: Path, loops: Runs, tmp_path: Path) -> None:

@@ -93,7 +93,7 @@ typedef struct {
     double calibration_deviation[DCT_PARAMETERS]; /* its standard deviations; 0 trusts the parameter */
     double friction_deviation[2][DCT_FRICTION_POINTS]; /* DCT_CALIBRATING: of nominal_friction over the position */
     double encoder_ticks[4];            /* per revolution that the speeds of engine, input shafts and wheels are counted by
-                                         * over a step; 0: is not counted */
+                                         * over a step; 0: is not counted, or recognised */
     int32_t adaptation;                 /* 0: the friction is not adapted */
     int32_t load_method;                /* load torque: 1 grade, 2 engine, 3 momentum */
     int32_t method;                     /* DCT_PAPER to DCT_CALIBRATING */

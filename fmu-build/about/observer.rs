@@ -26,9 +26,10 @@ pub(crate) const OBSERVER: About = About {
         "Methods but `calibrating` pass errors of engine torque and engine inertia straight into the clutch torques. \
          `calibrating` learns them, but not one common factor on all torques, inertias and stiffnesses: what is \
          trusted is your choice by the standard deviations `calibration.*Sigma`.",
-        "Speeds counted from encoder ticks over a step are wrong by up to a tick per step. Tell the ticks per revolution \
-         by `engine.encoderTicks`, `clutch1.encoderTicks`, `clutch2.encoderTicks`, `wheel.encoderTicks`, and the \
-         observer follows the counted angle instead. 1024 ticks at 1 ms are usable, far fewer were not tried.",
+        "Speeds counted from encoder ticks over a step are wrong by up to a tick per step. The observer follows the \
+         counted angle instead, once it has recognised the ticks, which the log tells, or from the start where they are \
+         told by `engine.encoderTicks`, `clutch1.encoderTicks`, `clutch2.encoderTicks`, `wheel.encoderTicks`. 1024 \
+         ticks at 1 ms are usable, far fewer were not tried.",
         "`paper` has no proof of stability for its printed gains; `lyapunov` and `energy` have one in continuous time \
          with the load torque known.",
     ],

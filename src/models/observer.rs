@@ -86,6 +86,28 @@ impl Observer {
     }
 }
 
+/// Logs encoders that were recognised, or no longer are, since `before`; ticks of ω_e, ω_c1, ω_c2, ω_w [1], shape (4).
+fn tell_ticks(before: [f64; 4], now: [f64; 4], time: f64, log: &mut Log<'_>) {
+    let changed = |sensor: &usize| before[*sensor] != now[*sensor];
+    for sensor in (0..4).filter(changed) {
+        let (name, ticks) = (
+            ["engine", "clutch1", "clutch2", "wheel"][sensor],
+            now[sensor],
+        );
+        if ticks > 0.0 {
+            log.event(format_args!(
+                "t = {time} s: {name}.speed is counted by an encoder of {ticks} ticks per revolution, and is followed \
+                 as such; set {name}.encoderTicks where that is wrong"
+            ));
+        } else {
+            log.event(format_args!(
+                "t = {time} s: {name}.speed is not counted by an encoder of {} ticks after all",
+                before[sensor]
+            ));
+        }
+    }
+}
+
 /// What the user can do about a fault.
 const fn remedy(fault: Fault) -> &'static str {
     match fault {
@@ -123,9 +145,11 @@ impl Model for Observer {
         check_step(step, table::LONGEST_STEP)?;
         self.take_settings();
         let Estimate { valid, engaged, .. } = self.y;
+        let ticks = self.state.recognised_ticks();
         self.y = self.state.step(&self.p, &self.settings, &self.u, step);
         self.phase = self.y.phase as i32;
         self.tell(valid, engaged, time + step, log);
+        tell_ticks(ticks, self.state.recognised_ticks(), time + step, log);
         Ok(())
     }
 

@@ -40,6 +40,7 @@
 
 use crate::observer::filter::Belief;
 use crate::observer::monitor::PATIENCE;
+use crate::observer::ticks::Ticks;
 use crate::observer::{Sample, Settings, Visit};
 use core::f64::consts::TAU;
 use nalgebra::{ComplexField, Matrix3, Vector3};
@@ -156,12 +157,35 @@ fn believed(jerk: f64, intensity: f64, h: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Encoders {
     sensors: [Encoder; SENSORS],
+    /// What the speeds tell of encoders that nobody told of.
+    ticks: [Ticks; SENSORS],
 }
 
 impl Encoders {
     /// Begins at a sample.
     pub fn start(&mut self, sample: &Sample) {
         self.sensors = speeds(sample).map(Encoder::at);
+        self.ticks = speeds(sample).map(Ticks::at);
+    }
+
+    /// Ticks that were recognised in ω_e, ω_c1, ω_c2, ω_w [1], shape (4); 0 without.
+    pub fn recognised(&self) -> [f64; SENSORS] {
+        self.ticks.map(|ticks| ticks.known().unwrap_or(0.0))
+    }
+
+    /// Ticks of encoder `j`: those `told`, or those that its `reading` [rad/s] shows; 0 without.
+    fn ticks(&mut self, j: usize, told: f64, reading: f64, h: f64) -> f64 {
+        if told > 0.0 {
+            return told;
+        }
+        let beside = self.ticks.iter().any(|ticks| ticks.known().is_some());
+        let ticks = &mut self.ticks[j];
+        let (before, last) = (ticks.known(), ticks.last);
+        ticks.step(reading, h, beside);
+        if ticks.known() != before {
+            self.sensors[j] = Encoder::at(last);
+        }
+        ticks.known().unwrap_or(0.0)
     }
 
     /// The sample `h` [s] after the last one with the speeds that its counts mean, and the settings with the
@@ -173,15 +197,19 @@ impl Encoders {
         h: f64,
     ) -> Option<(Sample, Settings)> {
         let usable = sample.is_finite() && h.is_finite() && h > 0.0;
-        if settings.encoder == [0.0; SENSORS] || !usable {
+        if !usable {
             return None;
         }
         let (mut omega, mut sigma) = (speeds(sample), 0.0_f64);
-        for (j, ticks) in settings.encoder.into_iter().enumerate() {
+        for (j, told) in settings.encoder.into_iter().enumerate() {
+            let ticks = self.ticks(j, told, omega[j], h);
             if ticks > 0.0 {
                 let told = self.sensors[j].step(TAU / ticks, JERK[j], omega[j], h);
                 (omega[j], sigma) = (told[0], sigma.max(told[1]));
             }
+        }
+        if sigma == 0.0 {
+            return None;
         }
         let [omega_e, one, two, omega_w] = omega;
         let mut settings = *settings;
@@ -201,6 +229,7 @@ impl Encoders {
         self.sensors
             .iter_mut()
             .for_each(|sensor| sensor.visit(visit));
+        self.ticks.iter_mut().for_each(|ticks| ticks.visit(visit));
     }
 }
 

@@ -40,6 +40,7 @@ pub mod select;
 pub mod shift;
 pub mod speeds;
 mod standstill;
+mod ticks;
 mod tracker;
 
 pub use calibrating::{Calibrating, Calibration};
@@ -126,7 +127,7 @@ pub struct Settings {
     /// (29) acts; without it the observer keeps the friction it has.
     pub adapts: bool,
     /// Ticks per revolution of the encoders that ω_e, ω_c1, ω_c2, ω_w are counted by [1], shape (4); 0 of a speed
-    /// that is not counted. [`Selected`] acts on it, with [`encoder`].
+    /// that is not counted, or counted by ticks that it tells itself. [`Selected`] acts on it, with [`encoder`].
     pub encoder: [f64; 4],
 }
 

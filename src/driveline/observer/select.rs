@@ -57,6 +57,11 @@ impl Selected {
         }
     }
 
+    /// Ticks per revolution that were recognised in ω_e, ω_c1, ω_c2, ω_w and are not told [1], shape (4); 0 without.
+    pub fn recognised_ticks(&self) -> [f64; 4] {
+        self.inputs.encoders.recognised()
+    }
+
     fn parts(&mut self) -> (&mut Inputs, &mut dyn Observer) {
         let acting: &mut dyn Observer = match self.method {
             Method::Paper => &mut self.paper,

@@ -1,16 +1,16 @@
-//! Speeds counted from encoder ticks, of which the observer knows: what is left of every method, and what is told.
+//! Speeds counted from encoder ticks that the observer is told or recognises: what is left of every method.
 
-use crate::bench::sensors::encoder;
+use crate::bench::sensors::{encoder, noisy};
 use crate::bench::{Drive, observe, scenarios};
 use dct_driveline::observer::{Estimate, Fault, Method, Sample, Selected, Settings};
 
 const H: f64 = 1e-3;
 
-/// RMSE [% of RMS] of a method behind encoders that it knows of; `spoil` sees the index of a sample.
+/// RMSE [% of RMS] of a method behind encoders; `told`: what it is told of their ticks; `spoil` sees the index of a sample.
 fn run(
     method: Method,
     drive: &Drive,
-    ticks: f64,
+    [ticks, told]: [f64; 2],
     mut spoil: impl FnMut(u32, &mut Sample),
     mut each: impl FnMut(&Estimate),
 ) -> [f64; 3] {
@@ -23,7 +23,7 @@ fn run(
         counted
     };
     let settings = Settings {
-        encoder: [ticks; 4],
+        encoder: [told; 4],
         ..Settings::CASE_1
     };
     let mut observer = Selected::new(method);
@@ -47,17 +47,31 @@ const LIMITS: [(Method, [[f64; 3]; 2]); 5] = [
     (Method::Calibrating, [[3.9, 3.0, 2.2], [6.0, 4.5, 3.4]]),
 ];
 
-/// With the ticks of 1024 not known every method misses T_c1 by more than 40 %.
 #[test]
 fn methods_are_within_their_limits_behind_encoders_that_they_know_of() {
+    are_within_their_limits(|ticks| ticks, 0);
+}
+
+/// As long as the ticks were not recognised every method missed T_c1 by more than 40 % behind 1024 of them. Until they
+/// are, some 30 ms, speeds are wrong by 6 rad/s, which `calibrating` may tell for a quarter of a second.
+#[test]
+fn methods_are_within_their_limits_behind_encoders_that_they_recognise() {
+    are_within_their_limits(|_| 0.0, 250);
+}
+
+/// Every estimate may be used once `settled` steps are over.
+fn are_within_their_limits(told: fn(f64) -> f64, settled: u32) {
     for scenario in [scenarios::paper(), scenarios::random(2)] {
         let drive = scenario.drive(H);
         for (method, limits) in LIMITS {
             for (ticks, limits) in [4096.0, 1024.0].into_iter().zip(limits) {
+                let mut steps = 0;
                 let valid = |estimate: &Estimate| {
-                    assert!(estimate.valid, "{method:?} {ticks}: {:?}", estimate.fault);
+                    steps += 1;
+                    let usable = estimate.valid || steps < settled;
+                    assert!(usable, "{method:?} {ticks}: {:?}", estimate.fault);
                 };
-                let errors = run(method, &drive, ticks, |_, _| {}, valid);
+                let errors = run(method, &drive, [ticks, told(ticks)], |_, _| {}, valid);
                 println!("{method:?} {} {ticks}: {errors:.1?}", drive.name);
                 let within = (0..3).all(|i| errors[i] <= limits[i]);
                 assert!(
@@ -84,7 +98,7 @@ fn inputs_that_make_no_sense_are_told_behind_encoders() {
                 Fault::Frozen => sample.omega_c[0] = 60.0,
                 _ => sample.omega_e = f64::NAN,
             };
-            run(method, &drive, 4096.0, spoil, |estimate| {
+            run(method, &drive, [4096.0; 2], spoil, |estimate| {
                 last = estimate.fault.or(last);
             });
             assert_eq!(last, Some(expected), "{method:?}");
@@ -98,11 +112,12 @@ fn ticks_are_worth_knowing_at_100_hz() {
     const TICKS: f64 = 256.0;
     let drive = scenarios::aborted_launch().drive(1e-2);
     for method in Method::ALL {
-        let mut count = encoder(TICKS, drive.h);
+        let (mut count, mut bus) = (encoder(TICKS, drive.h), noisy(1e-3, 1));
+        let hidden = |sample| bus(count(sample)); // no whole ticks are left to be recognised
         let mut observer = Selected::new(method);
         let (p, settings) = (drive.p, Settings::CASE_1);
-        let blind = observe(&drive, &mut observer, &p, &settings, &mut count, |_, _| {});
-        let known = run(method, &drive, TICKS, |_, _| {}, |_| {})[2];
+        let blind = observe(&drive, &mut observer, &p, &settings, hidden, |_, _| {});
+        let known = run(method, &drive, [TICKS; 2], |_, _| {}, |_| {})[2];
         let blind = blind.percent()[2];
         println!("{method:?}: T_o {blind:.1} -> {known:.1} %");
         assert!(known < blind, "{method:?}: {blind:.1} -> {known:.1} %");

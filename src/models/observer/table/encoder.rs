@@ -16,21 +16,21 @@ pub(super) const TICKS: [Variable<Observer>; 4] = [
     ticks(
         "engine.encoderTicks",
         |m| &mut m.settings.encoder[0],
-        "Ticks per revolution that engine.speed is counted by over a step; 0 of a speed that is not counted",
+        "Ticks per revolution that engine.speed is counted by over a step; 0: not counted, or recognised",
     ),
     ticks(
         "clutch1.encoderTicks",
         |m| &mut m.settings.encoder[1],
-        "Ticks per revolution that clutch1.speed is counted by over a step; 0 of a speed that is not counted",
+        "Ticks per revolution that clutch1.speed is counted by over a step; 0: not counted, or recognised",
     ),
     ticks(
         "clutch2.encoderTicks",
         |m| &mut m.settings.encoder[2],
-        "Ticks per revolution that clutch2.speed is counted by over a step; 0 of a speed that is not counted",
+        "Ticks per revolution that clutch2.speed is counted by over a step; 0: not counted, or recognised",
     ),
     ticks(
         "wheel.encoderTicks",
         |m| &mut m.settings.encoder[3],
-        "Ticks per revolution that wheel.speed is counted by over a step; 0 of a speed that is not counted",
+        "Ticks per revolution that wheel.speed is counted by over a step; 0: not counted, or recognised",
     ),
 ];
