@@ -80,11 +80,11 @@ impl<M: Model> Instance<M> {
     /// When a time is not finite or the stop does not lie after the start.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
         self.permit(Call::SetupExperiment)?;
-        let end = stop.unwrap_or(f64::INFINITY);
+        let end = stop.unwrap_or(f64::MAX);
         if !start.is_finite() || end.is_nan() || end <= start {
             return Err(Error::Experiment { start, stop: end });
         }
-        (self.now.start, self.now.time, self.now.stop) = (start, start, end);
+        (self.now.start, self.now.time, self.now.stop) = (start, start, end.min(f64::MAX));
         Ok(())
     }
 

@@ -24,7 +24,7 @@ pub struct Saved<M> {
     pub(crate) time: f64,
     /// Start time [s].
     pub(crate) start: f64,
-    /// Stop time [s]; infinite when there is none.
+    /// Stop time [s]; the largest number when there is none, so that what lies before it is finite.
     pub(crate) stop: f64,
     /// Something was set since the outputs were computed.
     pub(crate) stale: bool,
@@ -39,7 +39,7 @@ impl<M: Model> Saved<M> {
             state: State::Instantiated,
             time: 0.0,
             start: 0.0,
-            stop: f64::INFINITY,
+            stop: f64::MAX,
             stale: true,
             late: false,
         }
@@ -105,6 +105,7 @@ impl<M: Model> Saved<M> {
         if !times {
             return Err(Error::Serialised("holds times that are none"));
         }
+        self.stop = self.stop.min(f64::MAX);
         let runs = matches!(self.state, State::StepComplete | State::Terminated);
         for row in rows::<M>() {
             check_row(row, &mut self.model, runs)?;

@@ -7,14 +7,14 @@ use crate::value::{Value, find};
 use crate::{Error, Log, Model, State};
 
 impl<M: Model> Instance<M> {
-    /// End [s] of a step that needs no second look: one that is legal, and ends where it says.
+    /// End [s] of a step that needs no second look: one that is legal, and ends where it says. No stop is beyond
+    /// the largest number, so the end is finite.
     #[inline(always)]
     pub(crate) fn plain_step(&self, time: f64, step: f64) -> Option<f64> {
         let (current, end) = (self.now.time, time + step);
         let plain = self.now.state == State::StepComplete
             && (time - current).abs() <= TIME_TOLERANCE * current.abs().max(1.0)
             && time < end
-            && end < f64::INFINITY
             && end <= self.now.stop;
         plain.then_some(end)
     }
