@@ -170,6 +170,10 @@ fn flags(folder: &Path, target: &Target, compiler: &Compiler) -> Vec<String> {
     // A standard library that is built here names its sources, too; others say /rustc already.
     let sources = compiler.sources();
     flags.extend(sources.map(|sources| remap(&sources, "/rustc")));
+    if target.small {
+        // LLVM writes out loops to 300 instructions each: 28 KiB of a plant, which save 4 % of a step.
+        flags.push("-Cllvm-args=-unroll-threshold=80".into());
+    }
     if target.extension == "so" {
         // Name libm where it is used: importers other than Python may not have it loaded.
         flags.push("-Clink-arg=-lm".into());

@@ -45,8 +45,9 @@ may need.";
 const BUILD: &str = "\
 A target is one of rustc's, e.g. x86_64-pc-windows-gnullvm. One for Linux may have the oldest glibc behind it,
 x86_64-unknown-linux-gnu.2.17: then cargo-zigbuild links it. Repeated, all go into one FMU.
-A small library computes the same bits. Its first build takes a minute longer: the standard library is built, too,
-without what would print where a panic came from, which an FMU keeps quiet about anyway.
+A small library computes the same bits, in steps of up to a tenth more instructions. Its first build takes a minute
+longer: the standard library is built, too, without what would print where a panic came from, which an FMU keeps
+quiet about anyway.
 Two builds of the same sources give the same bytes.";
 
 #[derive(Subcommand)]
