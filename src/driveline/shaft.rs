@@ -75,21 +75,14 @@ impl RoadParams {
         if self.v_eps <= 0.0 {
             return (flow, slope);
         }
-        let sharpness = self.r_w / self.v_eps;
-        let direction = direction(sharpness * omega_w);
-        let roll_slope = grade.roll * (1.0 - direction * direction) * sharpness;
+        let direction = direction(grade.sharpness * omega_w);
+        let roll_slope = grade.roll * (1.0 - direction * direction) * grade.sharpness;
         (flow + grade.roll * direction, slope + roll_slope)
     }
 
-    /// Rolling resistance that is dry friction [N·m], ≥ 0; 0 where V_ε smooths it.
-    ///
-    /// `cos`: of the grade [1].
-    pub(crate) fn dry_rolling(&self, cos: f64) -> f64 {
-        if self.v_eps > 0.0 {
-            0.0
-        } else {
-            self.r_w * self.weight() * cos * self.c_rr
-        }
+    /// Share of the weight's torque on the level that is a rolling resistance by dry friction [1]; 0 where V_ε smooths it.
+    pub(crate) const fn dry_rolling(&self) -> f64 {
+        if self.v_eps > 0.0 { 0.0 } else { self.c_rr }
     }
 
     /// ∂T_v/∂ω_w of (11) [N·m·s/rad]; a dry rolling resistance has none.
@@ -141,14 +134,16 @@ impl RoadParams {
 #[derive(Debug, Clone, Copy)]
 pub struct Grade {
     phi: f64,
-    pub(crate) sin: f64,
-    pub(crate) cos: f64,
     /// r_w M_v g sin φ [N·m].
-    climb: f64,
+    pub(crate) climb: f64,
+    /// r_w M_v g cos φ [N·m].
+    pub(crate) level: f64,
     /// ½ ρ A_v C_D r_w³ [N·m·s²/rad²].
     drag: f64,
     /// r_w M_v g cos φ C_rr [N·m].
     roll: f64,
+    /// r_w/V_ε [s/rad].
+    sharpness: f64,
     /// Wheel speed whose V/V_ε is [`SATURATED`] [rad/s].
     fast: f64,
     /// The rolling resistance is smooth, and no friction varies: between events a step takes no decisions.
@@ -169,11 +164,11 @@ impl Grade {
     /// None that a road has: the first one is taken in its place.
     pub(crate) const NONE: Self = Self {
         phi: f64::INFINITY,
-        sin: 0.0,
-        cos: 1.0,
         climb: 0.0,
+        level: 0.0,
         drag: 0.0,
         roll: 0.0,
+        sharpness: 0.0,
         fast: 0.0,
         plain: false,
         ratio: 0.0,
@@ -206,11 +201,13 @@ impl Grade {
     #[inline(never)]
     fn turn(&mut self, p: &Params, phi: f64) {
         let road = &p.road;
-        (self.phi, self.sin, self.cos) = (phi, ComplexField::sin(phi), ComplexField::cos(phi));
         let (r_w, weight) = (road.r_w, road.weight());
-        self.climb = r_w * weight * self.sin;
+        self.phi = phi;
+        self.climb = r_w * weight * ComplexField::sin(phi);
+        self.level = r_w * weight * ComplexField::cos(phi);
         self.drag = 0.5 * road.rho_air * road.a_v * road.c_drag * r_w * r_w * r_w;
-        self.roll = r_w * weight * self.cos * road.c_rr;
+        self.roll = self.level * road.c_rr;
+        self.sharpness = r_w / road.v_eps;
         self.fast = SATURATED * road.v_eps / r_w;
         self.plain = road.v_eps > 0.0 && !p.friction_varies();
     }
@@ -228,7 +225,7 @@ impl Grade {
     #[cold]
     #[inline(never)] // most speeds do not need it
     fn travel_slowly(&mut self, road: &RoadParams, omega_w: f64) -> (f64, f64) {
-        let ratio = road.r_w / road.v_eps * omega_w;
+        let ratio = self.sharpness * omega_w;
         (self.ratio, self.direction) = (ratio, self.direction_at(ratio));
         road.slow_load(omega_w, self, |_| self.direction)
     }
@@ -369,8 +366,8 @@ mod tests {
         let mut p = Params::TABLE_1;
         p.road.v_eps = 0.0;
         let (road, grade) = (p.road, Grade::NONE.at(&p, 0.03));
-        let (fast, dry) = (20.0, road.dry_rolling(grade.cos));
-        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling(grade.cos) == 0.0);
+        let (fast, dry) = (20.0, road.dry_rolling() * grade.level);
+        assert!(dry > 0.0 && Params::TABLE_1.road.dry_rolling() == 0.0);
         for omega_w in [fast, -fast] {
             let whole = road.smooth_load(omega_w, &grade).0 + dry * omega_w.signum();
             let smeared = Params::TABLE_1.road.load_torque(omega_w, 0.03);

@@ -36,12 +36,12 @@ impl Input {
 
     /// Largest dry friction torque at the wheels [N·m], ≥ 0.
     fn brake_capacity(&self, p: &Params, grade: &Grade) -> f64 {
-        self.t_brake + p.road.dry_rolling(grade.cos)
+        self.t_brake + p.road.dry_rolling() * grade.level
     }
 
     /// Rate of [`Self::brake_capacity`] [N·m/s].
     fn brake_capacity_rate(p: &Params, grade: &Grade, rate: &InputRate) -> f64 {
-        let rolling = -p.road.dry_rolling(1.0) * grade.sin * rate.phi;
+        let rolling = -p.road.dry_rolling() * grade.climb * rate.phi;
         rate.t_brake + rolling
     }
 }
@@ -53,7 +53,7 @@ pub(crate) fn drive_shaft_torque(p: &Params, x: &State) -> f64 {
 
 /// What would set standing wheels in motion [N·m]: T_o − r_w M_v g sin φ.
 fn urge(p: &Params, grade: &Grade, x: &State) -> f64 {
-    drive_shaft_torque(p, x) - p.road.r_w * p.road.weight() * grade.sin
+    drive_shaft_torque(p, x) - grade.climb
 }
 
 /// The two guards of the brake: speed in the direction of sliding, or capacity left both ways.
@@ -76,7 +76,7 @@ pub(crate) fn guards(
             guard(0.0, 0.0),
         ];
     }
-    let slope = p.road.r_w * p.road.weight() * grade.cos * rate.phi;
+    let slope = grade.level * rate.phi;
     let (urge, urge_rate) = (urge(p, grade, x), drive_shaft_torque(p, x_dot) - slope);
     let (reach, reach_rate) = (
         input.brake_capacity(p, grade),

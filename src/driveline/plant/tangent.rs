@@ -145,7 +145,7 @@ impl Plant {
         } else {
             direction
         };
-        let by_phi = p.road.r_w * p.road.weight() * (grade.cos - p.road.c_rr * grade.sin * rolls);
+        let by_phi = grade.level - p.road.c_rr * grade.climb * rolls;
         slope * d_omega_w + by_phi * du.phi + direction * du.t_brake
     }
 }
