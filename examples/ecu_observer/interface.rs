@@ -2,7 +2,8 @@
 
 use crate::header;
 use crate::vehicle::{above, is_size};
-use dct_driveline::observer::calibrating::{Gains, PARAMETERS};
+use dct_driveline::observer::calibrating::Gains;
+use dct_driveline::observer::calibration::PARAMETERS;
 use dct_driveline::observer::friction_map::POINTS;
 use dct_driveline::observer::prior::Prior;
 use dct_driveline::observer::{self, Fault, LoadMethod, Method, Phase};

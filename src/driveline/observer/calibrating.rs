@@ -47,6 +47,7 @@ use crate::observer::anchor::{Anchor, WITNESSES};
 use crate::observer::calibrating_model::{
     BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, Vector, View,
 };
+use crate::observer::calibration::{Calibration, PARAMETERS};
 use crate::observer::filter::{Belief, Terms};
 use crate::observer::friction::SETTLING;
 use crate::observer::friction_map::{FrictionMap, POINTS};
@@ -56,8 +57,6 @@ use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use nalgebra::{ComplexField, SMatrix, SVector};
 
-/// Number of parameters told: α, β, δ, w, κ, γ, λ, ν.
-pub const PARAMETERS: usize = 8;
 /// Largest |β|, |δ|, |w|, |κ|, |γ|, |λ|, |ν| that a vehicle can have.
 const LARGEST: [f64; LEARNT] = [30.0, 0.7, 0.5, 0.5, 0.7, 0.7, 0.7];
 /// J_ed, k_o, c_o, J_out, J_v: witnesses of the common factor.
@@ -139,22 +138,6 @@ impl Gains {
         let s = self.sigma;
         [s[0], s[2], s[4], s[5], s[6], s[7]]
     }
-}
-
-/// What was learnt of the parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Calibration {
-    /// α [1], β [N·m], δ [1], w [rad/s], κ, γ, λ, ν [1], shape (8).
-    pub value: [f64; PARAMETERS],
-    /// Their standard deviations, shape (8).
-    pub deviation: [f64; PARAMETERS],
-    /// Mass of the vehicle [kg] and its standard deviation [kg], shape (2): all that J_v is more than believed is
-    /// mass. From accelerations alone, so no grade need be known.
-    pub mass: [f64; 2],
-    /// μ at five positions of each clutch [1], shape (2, 5).
-    pub friction: [[f64; POINTS]; 2],
-    /// Their standard deviations [1], shape (2, 5).
-    pub friction_deviation: [[f64; POINTS]; 2],
 }
 
 /// State of the observer.

@@ -17,6 +17,7 @@ pub mod anchor;
 mod breakaway;
 pub mod calibrating;
 mod calibrating_model;
+pub mod calibration;
 mod carry;
 pub mod damper;
 pub mod encoder;
@@ -43,7 +44,8 @@ mod standstill;
 mod ticks;
 mod tracker;
 
-pub use calibrating::{Calibrating, Calibration};
+pub use calibrating::Calibrating;
+pub use calibration::Calibration;
 pub use energy::Energy;
 pub use kalman::Kalman;
 pub use load::LoadMethod;

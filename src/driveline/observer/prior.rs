@@ -5,7 +5,7 @@
 
 use crate::Params;
 use crate::observer::Sample;
-use crate::observer::calibrating::{Calibration, PARAMETERS};
+use crate::observer::calibration::{Calibration, PARAMETERS};
 
 /// α, β, δ, w, κ, γ, λ, ν of an earlier drive: [1], [N·m], [1], [rad/s], [1], [1], [1], [1]; shape (8).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
