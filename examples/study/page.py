@@ -59,16 +59,21 @@ def table(head: list[str], rows: list[list[str]]) -> str:
 
 
 def shares(data: StudyData) -> str:
-    """Return median, 95 % quantile and share within the limit, per method and torque."""
+    """Return median, 95 % quantile, worst and share within the limit, per method and torque."""
     head, rows = ["method"], dict[str, list[str]]()
     for shown in data.shown:
-        head += [f"{shown.signal}: median / 95 % [{shown.kpi.unit}]", f"≤ {shown.limit:g}"]
+        head += [f"{shown.signal}: median / 95 % / worst [{shown.kpi.unit}]", f"≤ {shown.limit:g}"]
         for s in shown.series:
             told = summary(shown, s)
-            cells = [f"{number(told['median'], 3)} / {number(told['high'], 3)}",
-                     f"{100 * told['share']:.0f} %"]  # fmt: skip
+            spread = " / ".join(number(told[key], 3) for key in ("median", "high", "worst"))
+            cells = [spread, f"{_percent(told['share'])} %"]
             rows.setdefault(s.label, []).extend(cells)
     return table(head, [[name, *cells] for name, cells in rows.items()])
+
+
+def _percent(share: float) -> str:
+    """Return a share in whole percent; all that is not all is below 100."""
+    return "100" if share == 1 else f"{min(100 * share, 99.9):.3g}"
 
 
 def breaking(data: StudyData, shown: Shown) -> str:
