@@ -40,7 +40,7 @@ class Message(NamedTuple):
 class RawFmu:
     """A loaded library; every function by its name without `fmi2`."""
 
-    def __init__(self, model: str, folder: Path) -> None:
+    def __init__(self, model: str, folder: Path, mode: int = ctypes.RTLD_LOCAL) -> None:
         self.description = read_model_description(str(fmu(model)))
         self.guid = self.description.guid.encode()
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -49,8 +49,7 @@ class RawFmu:
         self._callbacks = Callbacks(self._logger, None, None, None, None)
         with zipfile.ZipFile(fmu(model)) as archive:
             path = archive.extract(f"binaries/linux64/{model}.so", folder / model)
-        # As careless importers load it: its symbols are in the way of all others.
-        self._library = ctypes.CDLL(path, mode=ctypes.RTLD_GLOBAL)
+        self._library = ctypes.CDLL(path, mode=mode)
 
     def _note(self, _environment: int, name: bytes, status: int, about: bytes, text: bytes) -> None:
         self.log.append(Message(name, status, about.decode(), text.decode()))
@@ -111,10 +110,10 @@ class RawFmu:
         return status
 
 
-def loaded(model: str) -> RawFmu:
+def loaded(model: str, mode: int = ctypes.RTLD_LOCAL) -> RawFmu:
     """Load a copy of a library; it stays loaded, its file does not stay."""
     folder = Path(tempfile.mkdtemp())
     try:
-        return RawFmu(model, folder)
+        return RawFmu(model, folder, mode)
     finally:
         shutil.rmtree(folder)

@@ -1,13 +1,15 @@
 """What a host may throw at an FMU: each call is refused with a status, and the host lives on.
 
-Black box by ctypes, all libraries loaded with `RTLD_GLOBAL`. Crashes and leaks under valgrind,
-threads and small stacks: `test_abi.py`; random calls: `tests/fuzz`.
+Black box by ctypes. Crashes and leaks under valgrind, threads and small stacks: `test_abi.py`;
+random calls: `tests/fuzz`.
 """
 
 from __future__ import annotations
 
 import csv
 import ctypes
+import subprocess
+import sys
 from functools import cache
 
 import pytest
@@ -36,6 +38,24 @@ every_model = pytest.mark.parametrize("model", MODELS)
 @cache
 def raw(model: str) -> RawFmu:
     return loaded(model)
+
+
+# As careless importers load them: the symbols of each are in the way of all others.
+ALL_GLOBAL = """
+import ctypes
+from importer_cases import MODELS, STEP
+from raw_fmu import OK, loaded
+raw = [loaded(model, ctypes.RTLD_GLOBAL) for model in MODELS]
+components = [one.begun() for one in raw]
+assert [one.step(c, 0.0, STEP) for one, c in zip(raw, components)] == [OK] * len(MODELS)
+"""
+
+
+def test_libraries_whose_symbols_are_global_keep_apart() -> None:
+    """In a process of its own: there they would be in the way of the FMUs of other tests, too."""
+    command = [sys.executable, "-c", ALL_GLOBAL]
+    done = subprocess.run(command, cwd=ROOT / "tests", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @every_model
