@@ -1,19 +1,16 @@
-//! What is connected to what in the driveline, and where its propagators come from.
+//! What is connected to what in the driveline.
 //!
 //! A change of it within a step (the brake lets the wheels go, say) takes other matrices from there on.
 //!
 //! ```
-//! use dct_driveline::coupling::{Coupling, Ladders};
-//! use dct_driveline::{Params, integrate::Propagators};
+//! use dct_driveline::coupling::Coupling;
 //!
-//! let p = Params::TABLE_1;
-//! let mut ladders = Propagators::new(&p, [1, 2], 1e-3);
-//! let held = Coupling { held: true, ..Coupling::from([1, 2]) };
-//! assert!(ladders.of(&p, held).fits(held, 1e-3));
+//! let coming_in = Coupling { synchronising: [false, true], ..Coupling::from([1, 2]) };
+//! assert_eq!(coming_in.gear_in(), [1, 0]);
+//! assert_eq!(coming_in.engageable(0b11), 0b01); // clutch 2 stays open meanwhile
 //! ```
 
 use crate::Params;
-use crate::integrate::Propagators;
 
 /// What is connected to what, clutches aside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,25 +56,17 @@ impl Coupling {
         let [one, two] = self.synchronising.map(usize::from);
         set & !(one | two << 1)
     }
-}
 
-/// Where a plant finds the propagators of a communication step; its coupling may change within it.
-pub trait Ladders {
-    /// The propagators of the step with this coupling.
-    fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators;
-
-    /// [`Self::of`] where gears are all that is connected.
-    #[inline(always)]
-    fn of_gears(&mut self, p: &Params, gear: [i32; 2]) -> &Propagators {
-        self.of(p, gear.into())
+    /// Whether both clutches engaged let nothing turn.
+    pub(crate) fn ties(&self, p: &Params) -> bool {
+        let [one, two] = p.g(self.gear_in());
+        p.rigid && one != 0.0 && two != 0.0 && one != two
     }
-}
 
-impl Ladders for Propagators {
-    fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators {
-        if self.systems.coupling != coupling {
-            self.rebuild(p, coupling, self.h);
-        }
-        self
+    /// Another coupling in place of this one with both clutches engaged, where that ties them: they
+    /// stand by that alone and carry what comes in, as if no gear jammed.
+    pub(crate) fn tied(self, p: &Params) -> Option<Self> {
+        let jammed = false;
+        (self.jammed && self.ties(p)).then_some(Self { jammed, ..self })
     }
 }

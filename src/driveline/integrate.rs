@@ -66,11 +66,10 @@
 
 use crate::Params;
 use crate::coupling::Coupling;
-use crate::plant::matrices::Systems;
+use crate::matrices::Systems;
 use crate::rung::builder::{Active, Builder};
-use crate::rung::held::COMPLIANT;
 use crate::rung::lanes::{Lanes, dot};
-use crate::rung::start::{CLUTCH_RAMPS, HELD};
+use crate::rung::start::{CLUTCH_RAMPS, COMPLIANT, HELD};
 use crate::rung::watch::Watch;
 pub use crate::rung::{Motion, Rung, Start};
 use nalgebra::SMatrix;
@@ -215,6 +214,27 @@ impl Propagators {
     }
 }
 
+/// Where a plant finds the propagators of a communication step; its coupling may change within it.
+pub trait Ladders {
+    /// The propagators of the step with this coupling.
+    fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators;
+
+    /// [`Self::of`] where gears are all that is connected.
+    #[inline(always)]
+    fn of_gears(&mut self, p: &Params, gear: [i32; 2]) -> &Propagators {
+        self.of(p, gear.into())
+    }
+}
+
+impl Ladders for Propagators {
+    fn of(&mut self, p: &Params, coupling: Coupling) -> &Propagators {
+        if self.systems.coupling != coupling {
+            self.rebuild(p, coupling, self.h);
+        }
+        self
+    }
+}
+
 /// The larger of ‖A‖_1 and ‖A‖_∞ [1/s], without a copy of the matrix on the stack.
 fn norm<const N: usize>(a: &SMatrix<f64, N, N>) -> f64 {
     let sum = |row: &mut dyn Iterator<Item = &f64>| row.map(|entry| entry.abs()).sum::<f64>();
@@ -262,7 +282,7 @@ fn climb(
 mod tests {
     use super::{DOUBLINGS, LADDER, Propagators};
     use crate::Params;
-    use crate::plant::matrices::{State, Torques, W};
+    use crate::matrices::{State, Torques, W};
 
     const H: f64 = 1e-3;
 

@@ -257,6 +257,22 @@ impl Params {
         all.any(|eta| *eta != 1.0)
     }
 
+    /// η^s: what becomes of the torque with which a shaft drives the output [1].
+    ///
+    /// `power`: s = sgn(T_t ω_o), see [`crate::plant::mesh`]; 0 without loss.
+    pub(crate) fn mesh_factor(&self, shaft: usize, gear: i32, power: i8) -> f64 {
+        match power {
+            0 => 1.0,
+            1.. => self.efficiency(shaft, gear),
+            _ => 1.0 / self.efficiency(shaft, gear),
+        }
+    }
+
+    /// Which of the gears that are in lose power, shape (2).
+    pub(crate) fn gears_that_lose(&self, gear: [i32; 2]) -> [bool; 2] {
+        [0, 1].map(|i| self.efficiency(i, gear[i]) < 1.0)
+    }
+
     /// J_ct1, J_ct2 with what the gears that are in add [kg·m²], shape (2).
     pub fn j_ct_in(&self, gear: [i32; 2]) -> [f64; 2] {
         [0, 1].map(|shaft| self.j_ct[shaft] + self.gear_inertia(shaft, gear[shaft]))

@@ -69,30 +69,25 @@
 
 mod block;
 mod brake;
-mod empty;
 mod friction;
 mod gear;
 mod late;
-pub mod matrices;
 pub mod mesh;
 mod mesh_rigid;
-mod mobility;
 pub mod modes;
 mod outputs;
 mod ports;
 mod quiet;
 mod quiet_mesh;
-mod rows;
-mod springs;
 mod tangent;
 mod tie;
 
 use crate::Params;
-use crate::coupling::Ladders;
+use crate::integrate::Ladders;
 use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
+use crate::matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant::block::Block;
 use crate::plant::friction::longest_varying;
-use crate::plant::matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant::ports::{ClutchState, Input, InputRate, Output, Work};
@@ -105,7 +100,7 @@ const MAX_EVENTS: u32 = 32;
 /// Everything a run carries from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant {
-    /// Speeds [rad/s] and twists [rad], shape (10); see [`crate::plant::matrices`].
+    /// Speeds [rad/s] and twists [rad], shape (10); see [`crate::matrices`].
     pub x: State,
     /// Modes of the two clutches, shape (2).
     pub modes: [Mode; 2],

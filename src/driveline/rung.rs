@@ -29,102 +29,19 @@ pub(crate) mod builder;
 pub(crate) mod held;
 pub(crate) mod lanes;
 mod loss;
+pub(crate) mod motion;
 mod series;
 pub(crate) mod start;
 pub(crate) mod watch;
 
-use crate::plant::matrices::{
-    C, D, E, O, STATES, State, Systems, TORQUES, TWIST_D, TWIST_O, TWIST_T, Torques, W,
-};
+use crate::matrices::{C, D, O, State, Systems, Torques};
 use crate::rung::builder::Builder;
-use crate::rung::held::{COMPLIANT, Held, RIGID};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::loss::Loss;
+pub use crate::rung::motion::Motion;
+use crate::rung::motion::{ALL, KEPT, SLIPS};
 pub use crate::rung::start::Start;
 use crate::rung::start::{BUILT, CLUTCH_RAMPS, ENTRIES, Entries, RAMPS, moving};
-
-/// First row of the angles.
-pub(crate) const ANGLE: usize = STATES;
-/// First row of the moments.
-pub(crate) const MOMENT: usize = ANGLE + TORQUES;
-pub(crate) const ROWS: usize = MOMENT + TORQUES;
-/// First ramp among the columns of z = (x, v, v').
-pub(crate) const RAMP: usize = STATES + TORQUES;
-
-/// Rows of every step: states but for those of the shafts, angles of ω_e and ω_w, moments of ω_w and ω_e.
-const MAIN: usize = 10;
-/// With those of the shafts.
-const ALL: usize = MAIN + 4;
-/// The same among all rows that are built.
-const KEPT: [usize; ALL] = [
-    E,
-    D,
-    O,
-    W,
-    TWIST_D,
-    TWIST_O,
-    ANGLE,
-    ANGLE + 3,
-    MOMENT + 3,
-    MOMENT,
-    C,
-    C + 1,
-    TWIST_T,
-    TWIST_T + 1,
-];
-/// The rows of slipping clutches: angles and moments of the slips.
-const SLIPS: [usize; 4] = [ANGLE + 1, ANGLE + 2, MOMENT + 1, MOMENT + 2];
-
-/// Where a rung leads: change of the state, angles and moments of ω_e and ω_w.
-#[derive(Debug, Clone, Copy)]
-pub struct Motion([f64; ALL]);
-
-impl Motion {
-    /// x(t), from x(0).
-    #[inline(always)]
-    pub fn end(&self, x: &State) -> State {
-        let [
-            e,
-            d,
-            o,
-            w,
-            twist_d,
-            twist_o,
-            _,
-            _,
-            _,
-            _,
-            c1,
-            c2,
-            twist_1,
-            twist_2,
-        ] = self.0;
-        let change = [e, d, c1, c2, o, w, twist_d, twist_1, twist_2, twist_o];
-        let x = &x.data.0[0];
-        State::from(core::array::from_fn::<f64, STATES, _>(|i| x[i] + change[i]))
-    }
-
-    /// ω_w(t) [rad/s], from x(0).
-    pub fn wheel_speed(&self, x: &State) -> f64 {
-        x[W] + self.0[3]
-    }
-
-    /// ω_w(t) − ω_w(0) [rad/s].
-    pub(crate) const fn wheel_speed_change(&self) -> f64 {
-        self.0[3]
-    }
-
-    /// ∫ ω_w dτ [rad] and ∫ τ ω_w dτ [rad·s], shape (2): what a constant torque and a ramp on the wheels work on.
-    pub(crate) const fn wheel_angles(&self) -> [f64; 2] {
-        [self.0[7], self.0[8]]
-    }
-
-    /// Slip 1, slip 2 and ω_w at the end [rad/s], shape (3): what T_c1, T_c2 and T_v work on.
-    pub(crate) fn worked_speeds(&self, x: &State) -> [f64; 3] {
-        let x = self.end(x);
-        [x[D] - x[C], x[D] - x[C + 1], x[W]]
-    }
-}
 
 /// Motion over one level of the ladder with one choice of engaged clutches.
 #[derive(Debug, Clone, Copy)]
@@ -206,23 +123,6 @@ impl Rung {
             }
         }
         motion
-    }
-
-    /// Motion from a start, as if no torque but the load had a ramp.
-    #[inline(never)] // a function of its own has registers for it
-    fn motion_held(&self, start: &Start) -> Motion {
-        let (x, entries) = (&start.x, &start.entries);
-        let sliding = [1, 2].map(|q| start.torque(q)) != [0.0; 2];
-        if self.rigid {
-            let rigid = Held::<RIGID>::new(self, x, &entries.first(), sliding).rows;
-            let shafts = self.ratio.map(|ratio| ratio * rigid[2]);
-            let mut rows = [0.0; ALL];
-            rows[..MAIN].copy_from_slice(&rigid);
-            rows[MAIN..MAIN + 2].copy_from_slice(&shafts);
-            Motion(rows)
-        } else {
-            Motion(Held::<COMPLIANT>::new(self, x, &entries.first(), sliding).rows)
-        }
     }
 
     /// Adds what a ramp [N·m/s] of torque `q` of T_e, T_c1, T_c2, T_v does to a motion without it.

@@ -9,6 +9,7 @@ mod inputs;
 mod lining;
 mod losses;
 mod propagation;
+mod sets;
 mod shared;
 mod shelf;
 mod table;
@@ -19,7 +20,7 @@ use crate::step::check_step;
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
-use dct_driveline::plant::matrices::{C, D, E, O, State, W};
+use dct_driveline::matrices::{C, D, E, O, State, W};
 use dct_driveline::plant::mesh::Meshes;
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
@@ -358,7 +359,7 @@ impl Model for Plant {
 #[cfg(test)]
 mod tests {
     use super::{Output, Params, Plant, driveline};
-    use dct_driveline::plant::matrices::Systems;
+    use dct_driveline::matrices::Systems;
 
     #[test]
     fn a_fresh_plant_is_one_that_started_at_rest() {

@@ -13,9 +13,9 @@
 
 use crate::Params;
 use crate::integrate::{Motion, Rung, Start};
+use crate::matrices::{Rows, State, System, Systems, TORQUES, Torques, W, slip};
 use crate::plant::Plant;
 use crate::plant::brake;
-use crate::plant::matrices::{Rows, State, Systems, TORQUES, Torques, W, slip};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};
@@ -123,6 +123,13 @@ impl Block {
         self.x_end = self.motion.end(&self.start.x);
     }
 
+    /// Work of a brake that slides forward all over the block [J].
+    pub(crate) fn brake_work(&self) -> f64 {
+        let [angle, moment] = self.motion.wheel_angles();
+        let (start, end) = (self.input.t_brake, self.input_end.t_brake);
+        start * angle + (end - start) / self.t * moment
+    }
+
     /// Whether a quick look proves that no guard is crossed; [`Self::events`] looks closely.
     ///
     /// A guard whose rate has one sign at both ends does not dip between them.
@@ -205,6 +212,29 @@ impl Block {
             }
         }
         (worst, event)
+    }
+
+    /// The worst crossing of a guard of the meshes, and whether the output came to standstill.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn mesh_crossing(
+        &self,
+        p: &Params,
+        system: &System,
+        plant: &Plant,
+    ) -> (Crossing, bool) {
+        let guards = |t: f64| {
+            let (x, v) = self.at(t);
+            let rate = (&system.derivative(&x, &v), &self.torques_rate());
+            plant.mesh_guards(p, system, (&x, &v), rate)
+        };
+        let (start, end) = (guards(0.0), guards(self.t));
+        let crossing = [0, 1, 2, 3].map(|k| start[k].crossing(end[k], self.t));
+        let worst = [Crossing::Found, Crossing::Possible]
+            .into_iter()
+            .find(|worst| crossing.contains(worst));
+        let reached = crossing[2] == Crossing::Found && plant.meshes.output != Mode::Stuck;
+        (worst.unwrap_or(Crossing::None), reached)
     }
 
     /// Guards of both clutches and the brake at `t` = 0 or at the end of the block, shape (3, 2).

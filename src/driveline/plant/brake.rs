@@ -8,9 +8,9 @@
 //! Deviation: the paper has no brake, and (11) has no standstill.
 
 use crate::Params;
+use crate::matrices::springs::drive_shaft_torque;
+use crate::matrices::{State, W};
 use crate::plant::Plant;
-use crate::plant::block::Block;
-use crate::plant::matrices::{O, State, TWIST_O, W};
 use crate::plant::modes::{CAPACITY_MARGIN, Event, Guard, Mode};
 use crate::plant::ports::{Input, InputRate};
 use crate::shaft::{Grade, sign};
@@ -46,11 +46,6 @@ impl Input {
     }
 }
 
-/// T_o of (10) [N·m] from a state, or its rate from the state's rate.
-pub(crate) fn drive_shaft_torque(p: &Params, x: &State) -> f64 {
-    p.k_o * x[TWIST_O] + p.c_o * (x[O] - x[W])
-}
-
 /// What would set standing wheels in motion [N·m]: T_o − r_w M_v g sin φ.
 fn urge(p: &Params, grade: &Grade, x: &State) -> f64 {
     drive_shaft_torque(p, x) - grade.climb
@@ -83,15 +78,6 @@ pub(crate) fn guards(
         Input::brake_capacity_rate(p, grade, rate),
     );
     [-1.0, 1.0].map(|sign| guard(reach + sign * urge, reach_rate + sign * urge_rate))
-}
-
-impl Block {
-    /// Work of a brake that slides forward all over the block [J].
-    pub(crate) fn brake_work(&self) -> f64 {
-        let [angle, moment] = self.motion.wheel_angles();
-        let (start, end) = (self.input.t_brake, self.input_end.t_brake);
-        start * angle + (end - start) / self.t * moment
-    }
 }
 
 impl Plant {

@@ -12,10 +12,10 @@ use crate::Params;
 use crate::friction::CURVE_POINTS;
 use crate::integrate::Rung;
 use crate::integrate::{LADDER, TICKS, ticks};
+use crate::matrices::slip;
 use crate::params::ClutchParams;
 use crate::plant::Plant;
 use crate::plant::block::Block;
-use crate::plant::matrices::slip;
 use crate::plant::modes::Mode;
 use crate::plant::ports::{Input, InputRate};
 

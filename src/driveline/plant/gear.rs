@@ -23,15 +23,14 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
+use crate::matrices::mobility::{Mobility, mobility};
+use crate::matrices::springs::stored_energy;
+use crate::matrices::state::{slip_row, synchroniser_row};
+use crate::matrices::{C, O, SPEEDS, State, TWIST_T, Torques, rigid_ratio};
 use crate::plant::Plant;
-use crate::plant::matrices::{
-    C, O, SPEEDS, State, TWIST_T, Torques, rigid_ratio, slip_row, synchroniser_row,
-};
 use crate::plant::mesh::Meshes;
-use crate::plant::mobility::{Mobility, mobility};
 use crate::plant::modes::{Guard, Mode, ZERO_SLIP};
 use crate::plant::ports::{Input, InputRate};
-use crate::plant::springs::stored_energy;
 
 /// One constraint per shaft on the six speeds, shape (6, 2); a column of zeros: none.
 type Constraints = SMatrix<f64, SPEEDS, 2>;

@@ -12,11 +12,12 @@
 //! Where two clutches have their events in the same tick, this is left out.
 
 use crate::Params;
-use crate::coupling::Ladders;
+use crate::integrate::Ladders;
+use crate::matrices::mobility::Mobility;
+use crate::matrices::state::synchroniser_row;
+use crate::matrices::{SPEEDS, Systems};
 use crate::plant::Plant;
 use crate::plant::block::{Block, torques};
-use crate::plant::matrices::{SPEEDS, Systems, synchroniser_row};
-use crate::plant::mobility::Mobility;
 use crate::plant::modes::{Event, Guard, stuck_set};
 use crate::plant::ports::{Input, InputRate};
 

@@ -20,13 +20,10 @@
 //! Deviation: the paper has no efficiency; η = 1 is what it has, and costs nothing.
 
 use crate::Params;
-use crate::coupling::Coupling;
+use crate::matrices::springs::{drive_shaft_torque, transfer_torques};
+use crate::matrices::{C, O, State, System, Torques, rigid_ratio};
 use crate::plant::Plant;
-use crate::plant::block::Block;
-use crate::plant::brake::drive_shaft_torque;
-use crate::plant::matrices::{C, O, State, System, Torques, rigid_ratio};
-use crate::plant::modes::{Crossing, Event, Guard, Mode, ZERO_SLIP};
-use crate::plant::springs::transfer_torques;
+use crate::plant::modes::{Event, Guard, Mode, ZERO_SLIP};
 
 /// How the gears that are in are loaded and turn; nothing is of interest unless one of them loses power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,30 +55,6 @@ impl Meshes {
             Mode::Open | Mode::Stuck => 0,
         };
         self.load.map(|load| sign(load) * sign(self.output))
-    }
-}
-
-impl Params {
-    /// η^s: what becomes of the torque with which a shaft drives the output [1].
-    ///
-    /// `power`: s, see [`crate::plant::mesh`].
-    pub(crate) fn mesh_factor(&self, shaft: usize, gear: i32, power: i8) -> f64 {
-        match power {
-            0 => 1.0,
-            1.. => self.efficiency(shaft, gear),
-            _ => 1.0 / self.efficiency(shaft, gear),
-        }
-    }
-
-    /// Which of the gears that are in lose power, shape (2).
-    pub(crate) fn gears_that_lose(&self, gear: [i32; 2]) -> [bool; 2] {
-        [0, 1].map(|i| self.efficiency(i, gear[i]) < 1.0)
-    }
-
-    /// 1 − η^s of both shafts [1], shape (2): what is lost of the torque.
-    pub(crate) fn mesh_loss(&self, coupling: Coupling) -> [f64; 2] {
-        let (gear, power) = (coupling.gear_in(), coupling.power);
-        [0, 1].map(|i| 1.0 - self.mesh_factor(i, gear[i], power[i]))
     }
 }
 
@@ -193,30 +166,5 @@ impl Plant {
             guard(sign, urge[k], rate)
         };
         [Guard::QUIET, Guard::QUIET, end(-1.0, 0), end(1.0, 1)]
-    }
-}
-
-impl Block {
-    /// The worst crossing of a guard of the meshes, and whether the output came to standstill.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn mesh_crossing(
-        &self,
-        p: &Params,
-        system: &System,
-        plant: &Plant,
-    ) -> (Crossing, bool) {
-        let guards = |t: f64| {
-            let (x, v) = self.at(t);
-            let rate = (&system.derivative(&x, &v), &self.torques_rate());
-            plant.mesh_guards(p, system, (&x, &v), rate)
-        };
-        let (start, end) = (guards(0.0), guards(self.t));
-        let crossing = [0, 1, 2, 3].map(|k| start[k].crossing(end[k], self.t));
-        let worst = [Crossing::Found, Crossing::Possible]
-            .into_iter()
-            .find(|worst| crossing.contains(worst));
-        let reached = crossing[2] == Crossing::Found && plant.meshes.output != Mode::Stuck;
-        (worst.unwrap_or(Crossing::None), reached)
     }
 }

@@ -12,10 +12,10 @@
 //! behind compliant shafts, with i_f T_t = g T_c; with both clutches engaged: `plant/tie.rs`.
 
 use crate::Params;
-use crate::coupling::Ladders;
+use crate::integrate::Ladders;
+use crate::matrices::{O, Systems, Torques};
 use crate::plant::Plant;
 use crate::plant::block::torques;
-use crate::plant::matrices::{O, Systems, Torques};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Event, GUARD_TOLERANCE, Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};

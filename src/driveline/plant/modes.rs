@@ -5,7 +5,7 @@
 //! direction. Most clutches stuck wins; of two, the more loaded one slips.
 
 use crate::Params;
-use crate::plant::matrices::{State, System, Systems, Torques, slip};
+use crate::matrices::{State, System, Systems, Torques, slip};
 
 /// Slip below which two shafts turn together [rad/s]: round-off of a step of constrained motion.
 pub(crate) const ZERO_SLIP: f64 = 1e-10;
@@ -325,7 +325,7 @@ fn by_constraint_torque(
 mod tests {
     use super::{Event, Load, Mode, resolve};
     use crate::Params;
-    use crate::plant::matrices::{C, D, E, O, State, Systems, Torques, W};
+    use crate::matrices::{C, D, E, O, State, Systems, Torques, W};
 
     /// Clutch 1 turns with its shaft and the damper pulls with less than what sticks.
     fn at_zero_slip() -> (Systems, State, Load) {

@@ -1,10 +1,10 @@
 //! What the plant shows at an instant.
 
 use crate::Params;
+use crate::matrices::springs::drive_shaft_torque;
+use crate::matrices::{C, D, E, O, State, Systems, TWIST_D, W};
 use crate::plant::Plant;
 use crate::plant::block::torques;
-use crate::plant::brake::drive_shaft_torque;
-use crate::plant::matrices::{C, D, E, O, State, Systems, TWIST_D, W};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Mode, stuck_set};
 use crate::plant::ports::{ClutchState, Input, Output};

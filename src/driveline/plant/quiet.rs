@@ -5,17 +5,17 @@
 //! answer, nothing is done and the step is taken there.
 
 use crate::Params;
-use crate::coupling::Ladders;
+use crate::integrate::Ladders;
 use crate::integrate::{Propagators, Rung};
+use crate::matrices::{C, D, State, Systems, Torques, W};
 use crate::plant::Plant;
 use crate::plant::block::{LOAD, load_ramp, torques};
-use crate::plant::matrices::{C, D, State, Systems, Torques, W};
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Mode, ZERO_SLIP, project, stuck_set};
 use crate::plant::ports::Input;
-use crate::rung::held::{COMPLIANT, Held, RIGID, entries};
+use crate::rung::held::{Held, entries};
 use crate::rung::lanes::Lanes;
-use crate::rung::start::{RAMPS, TORQUE};
+use crate::rung::start::{COMPLIANT, RAMPS, RIGID, TORQUE};
 
 impl Plant {
     /// Takes the step of the ladders with inputs that are held, if it is plain that it holds no event; else does

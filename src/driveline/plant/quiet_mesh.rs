@@ -4,13 +4,13 @@
 //! block. Where the answer is no the step is taken block by block.
 
 use crate::Params;
-use crate::coupling::Ladders;
+use crate::integrate::Ladders;
+use crate::matrices::{System, W};
 use crate::plant::Plant;
 use crate::plant::block::torques;
-use crate::plant::matrices::{System, W};
 use crate::plant::modes::{Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};
-use crate::rung::held::{COMPLIANT, RIGID};
+use crate::rung::start::{COMPLIANT, RIGID};
 
 impl Plant {
     /// Takes the step of the ladders in meshes that lose power, if it is plain that it holds no event; else does

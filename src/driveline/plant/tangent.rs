@@ -11,7 +11,7 @@
 //! δu = u' the time derivative. Friction power is the one product, T_c · slip.
 //!
 //! ```
-//! use dct_driveline::{Params, plant::{Input, InputRate, Plant}, plant::matrices::{State, Systems}};
+//! use dct_driveline::{Params, plant::{Input, InputRate, Plant}, matrices::{State, Systems}};
 //!
 //! let p = Params::TABLE_1;
 //! let input = Input { force: [1500.0, 0.0], gear: [1, 2], ..Input::default() };
@@ -22,10 +22,10 @@
 //! ```
 
 use crate::Params;
+use crate::matrices::springs::drive_shaft_torque;
+use crate::matrices::{C, D, E, O, State, Systems, Torques, W, slip};
 use crate::plant::Plant;
 use crate::plant::block::torques;
-use crate::plant::brake::drive_shaft_torque;
-use crate::plant::matrices::{C, D, E, O, State, Systems, Torques, W, slip};
 use crate::plant::modes::{Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate, Output};
 
@@ -155,7 +155,7 @@ mod tests {
     use crate::Params;
     use crate::friction::FrictionCurve;
     use crate::integrate::Propagators;
-    use crate::plant::matrices::State;
+    use crate::matrices::State;
     use crate::plant::modes::Mode;
     use crate::plant::{ClutchState, Input, InputRate, Output, Plant};
     use crate::thermal::Thermal;

@@ -9,26 +9,10 @@
 //! move is asked at the start of each step. Derivatives of the torques by inputs are those without loss.
 
 use crate::Params;
-use crate::coupling::Coupling;
+use crate::matrices::{D, Systems, slip};
 use crate::plant::Plant;
-use crate::plant::matrices::{D, Systems, slip};
 use crate::plant::modes::{Event, GUARD_TOLERANCE, Guard, Mode, ZERO_SLIP, project, stuck_set};
 use crate::plant::ports::{Input, InputRate};
-
-impl Coupling {
-    /// Whether both clutches engaged let nothing turn.
-    pub(crate) fn ties(&self, p: &Params) -> bool {
-        let [one, two] = p.g(self.gear_in());
-        p.rigid && one != 0.0 && two != 0.0 && one != two
-    }
-
-    /// Another coupling in place of this one with both clutches engaged, where that ties them: they
-    /// stand by that alone and carry what comes in, as if no gear jammed.
-    pub(crate) fn tied(self, p: &Params) -> Option<Self> {
-        let jammed = false;
-        (self.jammed && self.ties(p)).then_some(Self { jammed, ..self })
-    }
-}
 
 /// Guards of tied clutches, one of which is beyond what sticks at the start: what both can carry together.
 pub(crate) fn share_guards(start: &mut [[Guard; 2]; 3], end: &mut [[Guard; 2]; 3]) {

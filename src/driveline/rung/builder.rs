@@ -6,10 +6,10 @@
 //! work on the integrals of the change. Half of twice the span begins with the numbers z + e(z) + t z', where
 //! e are the changes of the eight by the first half, so that the columns are Ψ = I + e + t applied to themselves.
 
-use crate::plant::matrices::{O, System, Systems, TORQUES};
+use crate::matrices::{O, System, Systems, TORQUES};
 use crate::rung::lanes::{Lanes, add, dot};
+use crate::rung::motion::{ANGLE, MOMENT, ROWS};
 use crate::rung::start::{CORE_STATES, ENTRIES, MOVING, moving, worked};
-use crate::rung::{ANGLE, MOMENT, ROWS};
 
 /// First torque and first ramp among the columns.
 pub(crate) const TORQUE_COLUMN: usize = MOVING;

@@ -3,16 +3,12 @@
 //! Of the entries of a start only the first `N` count then: [`RIGID`] of them, or [`COMPLIANT`] where shafts move
 //! by themselves. As many rows say where the rung leads.
 
-use crate::integrate::Rung;
-use crate::plant::matrices::{C, D, E, O, State, TWIST_D, TWIST_O, TWIST_T, W};
+use crate::matrices::{C, D, E, O, State, TWIST_D, TWIST_O, TWIST_T, W};
+use crate::rung::Rung;
 use crate::rung::lanes::{Lanes, add, dot};
-use crate::rung::start::{CLUTCH_RAMPS, CLUTCHES, CORE, RAMPS, SHAFTS, TORQUE};
-use crate::rung::{ALL, MAIN};
+use crate::rung::motion::{ALL, MAIN, Motion};
+use crate::rung::start::{CLUTCHES, COMPLIANT, CORE, RAMPS, RIGID, SHAFTS, Start, TORQUE};
 
-/// Entries and rows where both shafts follow the output rigidly.
-pub(crate) const RIGID: usize = SHAFTS;
-/// Entries and rows where they need not.
-pub(crate) const COMPLIANT: usize = CLUTCH_RAMPS;
 const _: () = assert!(RIGID == MAIN && COMPLIANT == ALL);
 
 /// What a rung makes of a start whose torques are held.
@@ -21,7 +17,7 @@ pub(crate) struct Held<'a, const N: usize> {
     z: &'a Lanes<N>,
     /// T_c1 or T_c2 is a friction torque.
     sliding: bool,
-    /// Change of the state, angles and moments: the rows of a [`Motion`](crate::integrate::Motion).
+    /// Change of the state, angles and moments: the rows of a [`Motion`](crate::rung::motion::Motion).
     pub(crate) rows: [f64; N],
 }
 
@@ -126,6 +122,23 @@ impl<'a, const N: usize> Held<'a, N> {
 }
 
 impl Rung {
+    /// Motion from a start, as if no torque but the load had a ramp.
+    #[inline(never)] // a function of its own has registers for it
+    pub(super) fn motion_held(&self, start: &Start) -> Motion {
+        let (x, entries) = (&start.x, &start.entries);
+        let sliding = [1, 2].map(|q| start.torque(q)) != [0.0; 2];
+        if self.rigid {
+            let rigid = Held::<RIGID>::new(self, x, &entries.first(), sliding).rows;
+            let shafts = self.ratio.map(|ratio| ratio * rigid[2]);
+            let mut rows = [0.0; ALL];
+            rows[..MAIN].copy_from_slice(&rigid);
+            rows[MAIN..MAIN + 2].copy_from_slice(&shafts);
+            Motion(rows)
+        } else {
+            Motion(Held::<COMPLIANT>::new(self, x, &entries.first(), sliding).rows)
+        }
+    }
+
     /// ∫ of what T_c1 or T_c2 works on [rad].
     #[inline(always)]
     pub(super) fn worked_angle<const N: usize>(&self, x: &State, z: &Lanes<N>, i: usize) -> f64 {

@@ -7,9 +7,9 @@
 //! What a gear mesh loses grows with ω_o itself, and not with differences of speeds alone: with ω_o(0) times
 //! a row that reads the torque in the mesh.
 
-use crate::rung::held::{COMPLIANT, RIGID};
 use crate::rung::lanes::{Lanes, add, dot};
 use crate::rung::start::{BUILT, CLUTCH_RAMPS, CLUTCHES, ENTRIES, Entries, SHAFTS};
+use crate::rung::start::{COMPLIANT, RIGID};
 
 /// First difference of speeds, first torque among the entries, then T_v' and T_e'.
 const FIRST_SPEED: usize = 2;

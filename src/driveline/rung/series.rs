@@ -2,11 +2,11 @@
 
 use nalgebra::ComplexField;
 
-use crate::plant::matrices::{O, Row, STATES, System, Systems, TORQUES};
+use crate::matrices::{O, Row, STATES, System, Systems, TORQUES};
 use crate::rung::builder::{Active, Builder, RAMP_COLUMN, TORQUE_COLUMN};
 use crate::rung::lanes::{Lanes, add, dot};
+use crate::rung::motion::{ANGLE, MOMENT};
 use crate::rung::start::{ENTRIES, MOVING, MOVING_STATES, moving, worked};
-use crate::rung::{ANGLE, MOMENT};
 
 /// Most terms of the exponential series: with ‖A t‖ ≤ 0.05 the next one is 0.05^10 / 10! < 1e-19.
 const SERIES_TERMS: u32 = 9;

@@ -1,9 +1,10 @@
 //! What moves a driveline, entry by entry: where a rung starts from.
 
-use crate::plant::matrices::{C, D, E, O, STATES, State, TORQUES, TWIST_D, TWIST_O, TWIST_T, W};
-use crate::rung::RAMP;
+use crate::matrices::{C, D, E, O, STATES, State, TORQUES, TWIST_D, TWIST_O, TWIST_T, W};
 use crate::rung::lanes::Lanes;
 
+/// First ramp among the columns of z = (x, v, v').
+pub(crate) const RAMP: usize = STATES + TORQUES;
 /// Entries of a start.
 pub(crate) const ENTRIES: usize = 16;
 /// Twists of damper and drive shaft, ω_e − ω_d and ω_w − ω_o, T_e and T_v, their ramps T_v' and T_e'; then
@@ -48,6 +49,11 @@ pub(crate) const CORE: usize = 7;
 pub(crate) const CLUTCHES: usize = 8;
 pub(crate) const SHAFTS: usize = 10;
 pub(crate) const CLUTCH_RAMPS: usize = 14;
+
+/// Entries where both shafts follow the output rigidly.
+pub(crate) const RIGID: usize = SHAFTS;
+/// Entries where they need not.
+pub(crate) const COMPLIANT: usize = CLUTCH_RAMPS;
 
 /// The entries in the order of [`COLUMNS`].
 pub(crate) type Entries = Lanes<ENTRIES>;

@@ -1,10 +1,9 @@
 //! What a clutch is watched by over the longest rung: rows that read its guards from where the rung starts.
 
-use crate::integrate::Rung;
-use crate::plant::matrices::{C, D, Rows, State};
-use crate::rung::RAMP;
+use crate::matrices::{C, D, Rows, State};
+use crate::rung::Rung;
 use crate::rung::lanes::{Lanes, dot, dot_apart};
-use crate::rung::start::{CLUTCH_RAMPS, COLUMNS};
+use crate::rung::start::{CLUTCH_RAMPS, COLUMNS, RAMP};
 
 /// Rows for a clutch.
 #[derive(Debug, Clone, Copy)]
@@ -96,8 +95,8 @@ fn of_slip(rung: &Rung, rows: &Rows, i: usize) -> [Lanes<CLUTCH_RAMPS>; 3] {
 mod tests {
     use crate::Params;
     use crate::integrate::{LADDER, Propagators};
-    use crate::plant::matrices::{C, D, State, Torques};
-    use crate::rung::held::{COMPLIANT, RIGID};
+    use crate::matrices::{C, D, State, Torques};
+    use crate::rung::start::{COMPLIANT, RIGID};
 
     #[test]
     fn it_reads_what_the_rows_and_the_motion_show_at_both_ends() {

@@ -4,7 +4,7 @@
 
 use dct_driveline::Params;
 use dct_driveline::integrate::Propagators;
-use dct_driveline::plant::matrices::{C, O};
+use dct_driveline::matrices::{C, O};
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{Input, InputRate, Plant};
 

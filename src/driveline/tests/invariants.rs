@@ -3,7 +3,7 @@
 use dct_driveline::Params;
 use dct_driveline::friction::FrictionCurve;
 use dct_driveline::integrate::Propagators;
-use dct_driveline::plant::matrices::{C, D, State};
+use dct_driveline::matrices::{C, D, State};
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Output, Plant};
 
@@ -202,7 +202,7 @@ fn lock_up_keeps_speed_and_momentum() {
 #[test]
 fn impulse_in_a_clutch_keeps_momentum() {
     for p in variants() {
-        let systems = dct_driveline::plant::matrices::Systems::new(&p, GEAR);
+        let systems = dct_driveline::matrices::Systems::new(&p, GEAR);
         let g = p.g(GEAR);
         let mut x = State::zeros();
         (x[D], x[4], x[C], x[C + 1]) = (100.0, 5.0, 5.0 * g[0], 5.0 * g[1]);

@@ -3,7 +3,7 @@
 use dct_driveline::Params;
 use dct_driveline::coupling::Coupling;
 use dct_driveline::integrate::Propagators;
-use dct_driveline::plant::matrices::{O, State, Systems, Torques, W, slip};
+use dct_driveline::matrices::{O, State, Systems, Torques, W, slip};
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{Input, InputRate, Output, Plant};
 

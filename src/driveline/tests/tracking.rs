@@ -16,9 +16,9 @@ mod golden_files;
 use dct_driveline::Params;
 use dct_driveline::control::{limit_rate, position};
 use dct_driveline::integrate::Propagators;
+use dct_driveline::matrices::Systems;
 use dct_driveline::observer::{LoadMethod, Observer, Paper, Sample, Settings};
 use dct_driveline::params::Actuation;
-use dct_driveline::plant::matrices::Systems;
 use dct_driveline::plant::{ClutchState, Input, InputRate, Plant};
 use golden_files::Case;
 

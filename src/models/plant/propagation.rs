@@ -4,9 +4,9 @@ use super::Plant;
 use super::shared::Shared;
 use super::shelf::User;
 use dct_driveline::Params;
-use dct_driveline::coupling::{Coupling, Ladders};
-use dct_driveline::integrate::Propagators;
-use dct_driveline::plant::matrices::Systems;
+use dct_driveline::coupling::Coupling;
+use dct_driveline::integrate::{Ladders, Propagators};
+use dct_driveline::matrices::Systems;
 use fmi2_cosim::Model;
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl Propagation {
     /// Forgets what was kept: the parameters may have changed. They are shared from now on.
     pub(super) fn begin(&mut self, p: &mut Shared) {
         (self.kept, self.latest) = (Default::default(), 0);
-        self.user.get_or_insert_with(User::new).share(p);
+        p.share(self.user.get_or_insert_with(User::new));
     }
 
     /// Sees that steps of other sizes than those kept allocate nothing.

@@ -5,13 +5,10 @@
 //! are found by value, so no run can tell whether they were shared. A few copies are kept ready for
 //! those who tune or read a parameter in the middle of a run, which may not allocate.
 
-use super::shelf;
+use super::shelf::{self, User};
 use dct_driveline::Params;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
-
-/// Copies that are kept ready.
-const SPARE: usize = 4;
 
 static TABLE_1: Params = Params::TABLE_1;
 
@@ -40,47 +37,10 @@ impl DerefMut for Shared {
     }
 }
 
-/// The parameters of all plants of a library.
-pub(super) struct Sets {
-    known: Vec<Arc<Params>>,
-    /// Copies of nobody.
-    spare: Vec<Arc<Params>>,
-}
-
-impl Sets {
-    pub(super) const EMPTY: Self = Self {
-        known: Vec::new(),
-        spare: Vec::new(),
-    };
-
-    /// A copy that nobody else has.
-    pub(super) fn fresh(&mut self, params: &Params) -> Arc<Params> {
-        let Some(mut spare) = self.spare.pop() else {
-            return Arc::new(*params);
-        };
-        *Arc::make_mut(&mut spare) = *params;
-        spare
-    }
-
-    /// Makes equal parameters the same, and copies ready; not for the middle of a run: it allocates.
-    pub(super) fn share(&mut self, shared: &mut Shared) {
-        if let Shared(Some(own)) = shared {
-            self.known.retain(|known| Arc::strong_count(known) > 1);
-            let equal = |known: &&Arc<Params>| Arc::ptr_eq(known, own) || ***known == **own;
-            match self.known.iter().find(equal) {
-                Some(known) => {
-                    let other = std::mem::replace(own, Arc::clone(known));
-                    if Arc::strong_count(&other) == 1 {
-                        self.spare.push(other);
-                    }
-                }
-                None => self.known.push(Arc::clone(own)),
-            }
-        }
-        self.spare.truncate(SPARE);
-        while self.spare.len() < SPARE {
-            self.spare.push(Arc::new(TABLE_1));
-        }
+impl Shared {
+    /// Becomes the same as equal parameters of another plant; not for the middle of a run: it allocates.
+    pub(super) fn share(&mut self, user: &User) {
+        user.share(self.0.as_mut());
     }
 }
 
@@ -93,7 +53,7 @@ mod tests {
     fn with_stiffness(user: &User, k_o: f64) -> Shared {
         let mut shared = Shared(None);
         shared.k_o = k_o;
-        user.share(&mut shared);
+        shared.share(user);
         shared
     }
 
@@ -114,7 +74,7 @@ mod tests {
         );
         assert_eq!((two.k_o, two.clutch[0].mu_k), (5e3, 0.1));
         two.clutch[0].mu_k = one.clutch[0].mu_k;
-        user.share(&mut two);
+        two.share(&user);
         assert!(same(&one, &two));
     }
 

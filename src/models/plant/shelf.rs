@@ -1,12 +1,12 @@
 //! Propagators shared by all plants of a library: whoever has the same driveline and step finds them here.
-//! So are parameters (`shared.rs`).
+//! So are parameters (`shared.rs`, `sets.rs`).
 //!
 //! They are derived data, immutable while anybody holds them, and found by value, so no run can tell
 //! whether they were shared. The shelf holds those in use and a few others: the last ones that were
 //! used, or room for a step size that is new in the middle of a run, which may not allocate. With the
 //! last plant that uses it the shelf is emptied.
 
-use super::shared::{Sets, Shared};
+use super::sets::Sets;
 use dct_driveline::Params;
 use dct_driveline::coupling::Coupling;
 use dct_driveline::integrate::Propagators;
@@ -99,8 +99,8 @@ impl User {
     }
 
     /// Makes parameters those of another plant, if they are equal; not for the middle of a run: it allocates.
-    pub(super) fn share(&self, p: &mut Shared) {
-        lock().sets.share(p);
+    pub(super) fn share(&self, own: Option<&mut Arc<Params>>) {
+        lock().sets.share(own);
     }
 
     /// Sees again that there is room for new step sizes; not for the middle of a run: it allocates.

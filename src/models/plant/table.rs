@@ -9,7 +9,7 @@ use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
 use crate::rows::table;
 use crate::vehicle::{POSITIVE, actuator, damper, driveline, road, transfer_shafts};
-use dct_driveline::plant::matrices::{C, D, E, O, W};
+use dct_driveline::matrices::{C, D, E, O, W};
 use dct_driveline::plant::modes::Mode;
 use fmi2_cosim::{Enumeration, Item, Unit as U, Variable};
 

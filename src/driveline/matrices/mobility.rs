@@ -13,7 +13,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
-use crate::plant::matrices::{C, O, SPEEDS, W};
+use crate::matrices::state::{C, O, SPEEDS, W};
 
 /// Accelerations by torques on the six inertias, shape (6, 6).
 pub(crate) type Mobility = SMatrix<f64, SPEEDS, SPEEDS>;

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::Params;
 use crate::coupling::Coupling;
-use crate::plant::matrices::{C, D, E, O, SPEEDS, STATES, State, TWIST_D, TWIST_T, W};
+use crate::matrices::state::{C, D, E, O, SPEEDS, STATES, State, TWIST_D, TWIST_O, TWIST_T, W};
 
 /// One torsional spring-damper: T = k·twist + c·rate, rate = `rate`·speeds; it acts on them by −T·`act`.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +57,11 @@ impl Spring {
 /// T_t1, T_t2 [N·m] of compliant shafts, shape (2), from a state, or their rates from the state's rate.
 pub(crate) fn transfer_torques(p: &Params, gear: [i32; 2], x: &State) -> [f64; 2] {
     [0, 1].map(|i| Spring::transfer(p, i, gear[i], 0).torque(TWIST_T + i, x))
+}
+
+/// T_o of (10) [N·m] from a state, or its rate from the state's rate.
+pub(crate) fn drive_shaft_torque(p: &Params, x: &State) -> f64 {
+    p.k_o * x[TWIST_O] + p.c_o * (x[O] - x[W])
 }
 
 pub(crate) fn springs(p: &Params, coupling: Coupling) -> [Spring; 4] {
