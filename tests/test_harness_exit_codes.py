@@ -111,3 +111,55 @@ def test_fmu_of_another_platform_exits_6(tmp_path: Path, lag_library: Path, verb
     done = harness(verb, path, folder=tmp_path)
     assert done.returncode == 6
     assert "no binary for linux64" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+@pytest.mark.parametrize(("option", "said"), [
+    (("--set", "plant.vehicle.mass=-5"), "plant: fmi2SetReal (vehicle.mass) at t = 0.0 s returned "
+     "fmi2Discard\n  logStatusDiscard: fmi2SetReal: vehicle.mass = -5 is below 1e-9"),
+    (("--step", "0.5"), "observer: fmi2DoStep at t = 0.0 s returned fmi2Error\n"
+     "  logStatusError: fmi2DoStep: communicationStepSize = 0.5 s is above 0.1 s"),
+])  # fmt: skip
+def test_our_fmus_say_why_they_refuse(
+    repo_root: Path, tmp_path: Path, engine: str, option: tuple[str, str], said: str
+) -> None:
+    case = repo_root / "examples/closed_loop/paper_case1.toml"
+    done = harness("run", case, "--fmu-dir", repo_root / "target/fmu", "--engine", engine,
+                   "--out", tmp_path / "out", *option, folder=tmp_path)  # fmt: skip
+    assert done.returncode == 4
+    assert said in done.stderr
+
+
+def test_what_an_fmu_computes_cannot_be_set(repo_root: Path, tmp_path: Path) -> None:
+    case = repo_root / "examples/closed_loop/paper_case1.toml"
+    done = harness("run", case, "--fmu-dir", repo_root / "target/fmu", "--out", tmp_path / "out",
+                   "--set", "plant.engine.speed=100", folder=tmp_path)  # fmt: skip
+    assert done.returncode == 2
+    assert "computes 'engine.speed' itself" in done.stderr
+    assert "Did you mean 'engine.speed_start'?" in done.stderr
+
+
+def test_a_result_directory_that_cannot_be_is_refused_before_the_run(
+    lag_dir: Path, tmp_path: Path
+) -> None:
+    system = write_system(tmp_path)
+    out = system / "inside"
+    done = harness("run", system, "--fmu-dir", lag_dir, "--out", out, folder=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == f"dct-harness: --out {out}: {system} is a file, not a folder; " \
+                          "name another folder\n"  # fmt: skip
+
+
+def test_a_page_that_cannot_be_written_exits_2(lag_dir: Path, tmp_path: Path) -> None:
+    run(write_system(tmp_path), lag_dir)
+    page = tmp_path / "out/run.json/page"
+    done = harness("report", tmp_path / "out", "--out", page, folder=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == f"dct-harness: {page}: Not a directory\n"
+
+
+def test_a_name_with_a_slip_gets_the_one_beside_it(tmp_path: Path) -> None:
+    system = write_system(tmp_path)
+    done = harness("run", system.with_name("sytem.toml"), folder=tmp_path)
+    assert done.returncode == 2
+    assert f"Did you mean '{system.name}'?" in done.stderr

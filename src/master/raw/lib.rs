@@ -28,6 +28,9 @@ use fmi::traits::FmiImport;
 use std::ffi::{CString, c_char, c_void};
 use std::sync::Arc;
 
+/// The generationTool of FMUs that this project built starts with this.
+const OURS: &str = "fmu-build ";
+
 /// What a call came to; an fmi2Warning is none.
 pub type Called = Result<(), Status>;
 
@@ -54,8 +57,9 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Loads the library of an unpacked FMU and makes an instance, without debug logging; what it
-    /// says goes to `log`.
+    /// Loads the library of an unpacked FMU and makes an instance; what it says goes to `log`. FMUs
+    /// that this project built have debug logging on: they tell why they refuse a call, what they
+    /// warn of, and their events. Others may tell of every call: of them only what they say unasked is heard.
     ///
     /// # Errors
     ///
@@ -74,13 +78,16 @@ impl Instance {
             description.guid.clone(),
             import.canonical_resource_path_string(),
         ];
-        Self::instantiate(binding, texts.map(CString::new), log)
+        let tool = description.generation_tool.as_deref();
+        let speaks = tool.is_some_and(|tool| tool.starts_with(OURS));
+        Self::instantiate(binding, texts.map(CString::new), speaks, log)
     }
 
     /// `texts`: name, GUID, place of the resources.
     fn instantiate(
         binding: Fmi2Binding,
         texts: [Result<CString, std::ffi::NulError>; 3],
+        speaks: bool,
         log: Arc<Log>,
     ) -> Result<Self, fmi::Error> {
         let [Ok(name), Ok(guid), Ok(place)] = &texts else {
@@ -104,7 +111,7 @@ impl Instance {
                 place.as_ptr(),
                 &raw const *callbacks,
                 0,
-                0,
+                speaks.into(),
             )
         };
         if component.is_null() {

@@ -16,7 +16,7 @@ from xml.parsers import expat
 
 from fmpy import read_model_description
 
-from .errors import ConfigError, FmuInvalidError
+from .errors import ConfigError, FmuInvalidError, unreadable
 
 MOST_MEMBERS = 20_000
 MOST_BYTES = 2 << 30  # unpacked
@@ -44,9 +44,7 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
             _check(path, archive.infolist())
             yield archive
     except OSError as error:
-        raise ConfigError(
-            f"{path}: cannot read the {_kind(path)}: {error.strerror or error}"
-        ) from error
+        raise ConfigError(unreadable(path, _kind(path), error)) from error
     except zipfile.BadZipFile as error:
         damage = "" if "not a zip" in str(error) else f": {error}"
         raise FmuInvalidError(

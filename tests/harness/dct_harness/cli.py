@@ -65,6 +65,10 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # `| head`: whoever reads has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CLOSED_PIPE
+    except OSError as error:  # a file that cannot be made, a disk that is full
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"dct-harness: {where}{error.strerror or error}", file=sys.stderr)
+        return ConfigError.exit_code
     except KeyboardInterrupt:
         print("dct-harness: interrupted", file=sys.stderr)
         return InterruptedRunError.exit_code

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from pathlib import Path
 
 
 class HarnessError(Exception):
@@ -51,6 +52,15 @@ class InterruptedRunError(HarnessError):
     """Someone pressed Ctrl-C (exit code 130, as a shell reports the signal)."""
 
     exit_code = 130
+
+
+def unreadable(path: Path, what: str, error: OSError) -> str:
+    """Return why a file cannot be read; of one that is not there the nearest name beside it."""
+    told = f"{path}: cannot read the {what}: {error.strerror or error}"
+    if not (isinstance(error, FileNotFoundError) and path.parent.is_dir()):
+        return told
+    hint = did_you_mean(path.name, (beside.name for beside in path.parent.iterdir()))
+    return f"{told}.{hint}" if hint else told
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 import fmpy
 import numpy as np
 from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
 
 from . import values as single
 from .archive import described, unpack
@@ -93,8 +94,13 @@ class Fmu(Ports):
         }  # fmt: skip
 
     def initialize(self, stop: float, values: dict[str, Any]) -> None:
-        """Instantiate, set parameters and start values, enter initialisation mode."""
-        self._call("fmi2Instantiate", lambda: self._slave.instantiate(callbacks=self._callbacks()))
+        """Instantiate, set parameters and start values, enter initialisation mode.
+
+        Our FMUs tell why they refuse a call, what they warn of, and their events; of others, which
+        may tell of every call, only what they say unasked is heard.
+        """
+        self._call("fmi2Instantiate", lambda: self._slave.instantiate(
+            callbacks=self._callbacks(), loggingOn=self.is_ours))  # fmt: skip
         self._instantiated = True
         for name, value in values.items():
             self._set_start(name, value)
@@ -277,13 +283,14 @@ class Fmu(Ports):
     def _call(self, function: str, action: Any) -> None:
         try:
             action()
+        except FMICallException as error:
+            raise self._error(function, _returned(error.status)) from error
         except Exception as error:
             raise self._error(function, str(error)) from error
 
     def _fail(self, function: str, status: int) -> None:
         self._stepping = False
-        word = STATUS[status] if status < len(STATUS) else str(status)
-        raise self._error(function, f"returned fmi2{word}")
+        raise self._error(function, _returned(status))
 
     def note_discard(self, t: float) -> None:
         """Tell in the log, once, that steps had to be divided."""
@@ -329,6 +336,11 @@ class Fmu(Ports):
     def remove_directory(self) -> None:
         """Remove the unpacked archive only."""
         shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def _returned(status: int) -> str:
+    word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+    return f"returned fmi2{word}"
 
 
 def _plain(message: str) -> str:

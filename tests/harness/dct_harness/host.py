@@ -70,7 +70,7 @@ class Host:
         self._proxy = proxy
         return ""
 
-    def instantiate(self, name: str, guid: str, resources: str) -> int:
+    def instantiate(self, name: str, guid: str, resources: str, logging: bool) -> int:
         """Make the instance; returns 0, or 3 when there is none."""
         libc = ctypes.CDLL(None)
         allocate, free = ALLOCATE(("calloc", libc)), FREE(("free", libc))
@@ -80,7 +80,7 @@ class Host:
         make = self._dll.fmi2Instantiate
         make.restype = ctypes.c_void_p
         found = make(name.encode(), 1, guid.encode(), resources.encode(),
-                     ctypes.byref(self._kept), 0, 0)  # fmt: skip
+                     ctypes.byref(self._kept), 0, int(logging))  # fmt: skip
         self._component = ctypes.c_void_p(found)
         return 0 if found else 3
 

@@ -20,12 +20,11 @@ from .errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutEr
 from .fmu import DISCARD, STATUS, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
 from .loader import explain
-from .ports import GROUPS
+from .ports import GROUPS, is_ours
 from .remote import Remote
 from .values import group_of
 
 EXCHANGE = ".dct-harness-exchange"
-OURS = "fmu-build "  # generationTool of FMUs that this project builds
 
 
 @dataclass(frozen=True)
@@ -45,8 +44,7 @@ def load(name: str, path: Path, limits: Limits | None = None) -> Fmu:
     limits = limits or Limits()
     if limits.isolate == "none":
         return Fmu(name, path)
-    ours = (described(path).generationTool or "").startswith(OURS)
-    if ours and limits.isolate != "all":
+    if is_ours(described(path)) and limits.isolate != "all":
         return Fmu(name, path)
     return Isolated(name, path, limits)
 
@@ -224,11 +222,12 @@ class _Slave:
             word = STATUS[status] if status < len(STATUS) else status
             raise RuntimeError(f"returned fmi2{word}")
 
-    def instantiate(self, callbacks: None) -> None:
+    def instantiate(self, callbacks: None, loggingOn: bool) -> None:
         """Call fmi2Instantiate with callbacks of the other process."""
         resources = (self._fmu._directory / "resources").as_uri()
         self._checked("fmi2Instantiate", "instantiate", name=self._fmu.name,
-                      guid=self._fmu.description.guid, resources=resources)  # fmt: skip
+                      guid=self._fmu.description.guid, resources=resources,
+                      logging=loggingOn)  # fmt: skip
 
     def setupExperiment(self, stopTime: float) -> None:
         """Call fmi2SetupExperiment."""

@@ -7,7 +7,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from . import units
-from .errors import ConfigError
+from .errors import ConfigError, unreadable
 
 VALUES = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 READERS = {"Real": float, "Integer": int, "String": str, "Enumeration": str}
@@ -47,7 +47,7 @@ def read(path: Path) -> dict[str, Any]:
     try:
         root = ElementTree.fromstring(path.read_bytes())
     except OSError as error:
-        raise ConfigError(f"{path}: cannot read the parameter file: {error.strerror}") from error
+        raise ConfigError(unreadable(path, "parameter file", error)) from error
     except ElementTree.ParseError as error:
         raise ConfigError(f"{path}: is not valid XML: {error}") from error
     if root.tag != f"{VALUES}ParameterSet":

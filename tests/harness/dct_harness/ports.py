@@ -13,6 +13,7 @@ from .units import Unit, declared
 from .values import group_of, start_value
 
 GROUPS = ("Real", "Integer", "Boolean")
+OURS = "fmu-build "  # generationTool of FMUs that this project builds
 
 
 class Ports:
@@ -29,6 +30,11 @@ class Ports:
         self.variables: dict[str, Any] = {v.name: v for v in description.modelVariables}
         self.inputs = self._ordered("input")
         self.outputs = self._ordered("output")
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether this project built the FMU."""
+        return is_ours(self.description)
 
     def _ordered(self, causality: str) -> list[Any]:
         """Return variables of a causality, reals first, then integers, then booleans."""
@@ -55,10 +61,21 @@ class Ports:
         Raises
         ------
         ConfigError
-            There is no such variable, or the value does not fit.
+            There is no such variable, it cannot be set, or the value does not fit.
         """
         if name not in self.variables:
             hint = did_you_mean(name, self.variables)
             what = f"component '{self.name}': {self.path} has no '{name}'.{hint}"
             raise ConfigError(what, name)
-        return start_value(self.name, self.variables[name], value)
+        variable = self.variables[name]
+        if self.is_ours and variable.initial == "calculated":
+            start = f"{name}_start"
+            hint = f" Did you mean '{start}'?" if start in self.variables else ""
+            what = f"component '{self.name}': the FMU computes '{name}' itself; it cannot be set."
+            raise ConfigError(f"{what}{hint}", name)
+        return start_value(self.name, variable, value)
+
+
+def is_ours(description: Any) -> bool:
+    """Return whether this project built the FMU of a description."""
+    return (description.generationTool or "").startswith(OURS)

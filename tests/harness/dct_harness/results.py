@@ -49,6 +49,21 @@ class Results:
         return name in self.signals
 
 
+def check_writable(out: Path) -> None:
+    """Refuse a result directory that cannot be made or written to, before a run rather than after.
+
+    Raises
+    ------
+    ConfigError
+        It is a file, or this user may not write there.
+    """
+    above = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+    if not above.is_dir():
+        raise ConfigError(f"--out {out}: {above} is a file, not a folder; name another folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise ConfigError(f"--out {out}: {above} is not writable; name another folder")
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a file whole: to a temporary name beside it, then renamed."""
     temporary = path.with_name(path.name + ".part")

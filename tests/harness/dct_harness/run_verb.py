@@ -108,7 +108,9 @@ def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
     model, paths, names, package = selection.choose(args)
     loop = ENGINES[args.engine](model, paths, names, limits(args))
     loop.package = package
-    return loop, args.out or Path("target/results") / model.name
+    out = args.out or Path("target/results") / model.name
+    results.check_writable(out)
+    return loop, out
 
 
 def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | None:

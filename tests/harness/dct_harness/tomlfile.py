@@ -12,7 +12,7 @@ from typing import Any
 
 import jsonschema
 
-from .errors import ConfigError, did_you_mean
+from .errors import ConfigError, did_you_mean, unreadable
 from .tomlplaces import Places, places
 
 if sys.version_info >= (3, 11):
@@ -56,10 +56,12 @@ def read(path: Path, what: str, schema: str) -> Document:
         text = path.read_text(encoding="utf-8")
         data = loads(text)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot read the {what}: {error.strerror}") from error
+        raise ConfigError(unreadable(path, what, error)) from error
     except TOMLDecodeError as error:
         raise ConfigError(_no_toml(path, str(error))) from error
-    except (RecursionError, ValueError) as error:  # too deep, a number too long, no UTF-8
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not valid TOML: the {what} is a text in UTF-8") from error
+    except (RecursionError, ValueError) as error:  # too deep, a number too long
         raise ConfigError(f"{path}: is not valid TOML: {error}") from error
     document = Document(path, data, places(text))
     _validate(document, schema)
