@@ -2,17 +2,19 @@
 
 use cosim_master::{Error, Watch};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::{flag, low_level};
 use std::path::Path;
-use std::process::exit;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
-use std::thread::{sleep, spawn};
-use std::time::Duration;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A call into an FMU that takes longer than this past the limit hangs.
+/// A call into an FMU that takes longer than this past the end hangs.
 const GRACE: Duration = Duration::from_secs(2);
+
+/// How often is looked whether a run is to end.
+const BEAT: Duration = Duration::from_millis(20);
 
 /// Exit code of a run that took too long.
 const LATE: u8 = 5;
@@ -23,10 +25,10 @@ const INTERRUPTED: u8 = 130;
 /// What may end a run, and what did; with a folder for unpacked FMUs, which goes with it.
 pub struct Ending {
     /// The run.
-    pub watch: Watch,
+    pub watch: Arc<Watch>,
     /// Number of the last signal.
     signal: Arc<AtomicUsize>,
-    returned: Arc<AtomicBool>,
+    begin: Instant,
     limit: Option<f64>,
     folder: TempDir,
 }
@@ -37,9 +39,9 @@ impl Ending {
     pub fn begin(limit: Option<f64>) -> Result<Self, Error> {
         let folder = tempfile::Builder::new().prefix("cosim-").tempdir();
         let ending = Self {
-            watch: Watch::default(),
+            watch: Arc::default(),
             signal: Arc::default(),
-            returned: Arc::default(),
+            begin: Instant::now(),
             limit,
             folder: folder.map_err(|error| Error::File {
                 path: std::env::temp_dir(),
@@ -49,9 +51,6 @@ impl Ending {
         for signal in [SIGINT, SIGTERM] {
             let told = ending.listen(signal);
             told.map_err(|error| Error::Usage(format!("signal {signal}: {error}")))?;
-        }
-        if let Some(seconds) = limit {
-            ending.wait(seconds);
         }
         Ok(ending)
     }
@@ -64,31 +63,31 @@ impl Ending {
         flag::register(signal, switch).map(|_| ())
     }
 
-    fn wait(&self, seconds: f64) {
-        let (switch, returned) = (self.watch.switch(), self.returned.clone());
-        let folder = self.folder().to_owned();
-        let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        spawn(move || {
-            sleep(limit);
-            switch.store(true, Relaxed);
-            sleep(GRACE);
-            if !returned.load(Relaxed) {
-                eprintln!("cosim: an FMU does not return, {seconds} s are over (--timeout)");
-                // What cannot be removed stays with the other temporary files.
-                let _ = std::fs::remove_dir_all(folder);
-                exit(LATE.into());
+    /// What another thread makes, which ends it when that is due; none where it does not return.
+    pub fn awaited<T>(&self, made: &Receiver<T>) -> Option<T> {
+        let mut ended = None;
+        loop {
+            match made.recv_timeout(BEAT) {
+                Ok(made) => return Some(made),
+                Err(RecvTimeoutError::Disconnected) => return None,
+                Err(RecvTimeoutError::Timeout) => {}
             }
-        });
+            let late = |limit| self.begin.elapsed().as_secs_f64() > limit;
+            if self.limit.is_some_and(late) {
+                self.watch.end();
+            }
+            if self.watch.is_ended() {
+                let since: &mut Instant = ended.get_or_insert_with(Instant::now);
+                if since.elapsed() > GRACE {
+                    return None;
+                }
+            }
+        }
     }
 
     /// Where FMUs may be unpacked.
     pub fn folder(&self) -> &Path {
         self.folder.path()
-    }
-
-    /// The run has returned: its results are written, however long that takes.
-    pub fn returned(&self) {
-        self.returned.store(true, Relaxed);
     }
 
     /// Exit code and cause of a run that was ended.
@@ -102,5 +101,12 @@ impl Ending {
                 (LATE, format!("not finished after {limit} s (--timeout)"))
             }
         }
+    }
+
+    /// Ends the process at once, beside a thread that is still within an FMU: nothing of the FMU is called again.
+    pub fn leave(self, code: u8) -> ! {
+        // What cannot be removed stays with the other temporary files.
+        let _ = self.folder.close();
+        low_level::exit(code.into())
     }
 }

@@ -59,6 +59,17 @@ pub enum Error {
         /// What it returned, and the last messages of the FMU.
         what: String,
     },
+    /// An FMU does not return from a call.
+    Stuck {
+        /// Component name.
+        component: String,
+        /// C name of the function.
+        function: &'static str,
+        /// Communication point [s].
+        time: f64,
+        /// Why it is not waited for, and the last messages of the FMU.
+        what: String,
+    },
     /// A run was ended from outside.
     Ended {
         /// Communication point [s].
@@ -138,6 +149,18 @@ impl fmt::Display for Error {
             } => {
                 let time = Seconds(*time);
                 write!(f, "{component}: {function} at t = {time} s {what}")
+            }
+            Self::Stuck {
+                component,
+                function,
+                time,
+                what,
+            } => {
+                let time = Seconds(*time);
+                write!(
+                    f,
+                    "{component}: {function} at t = {time} s does not return: {what}"
+                )
             }
             Self::Ended { time } => write!(f, "stopped at t = {} s", Seconds(*time)),
             Self::Value {

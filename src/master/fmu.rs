@@ -32,14 +32,14 @@ pub struct Fmu {
 }
 
 impl Fmu {
-    /// Makes an instance; `inputs` will be set and `outputs` read, in that order.
+    /// Makes an instance; `inputs` will be set and `outputs` read, in that order; what it says goes to `log`.
     pub fn new(
         name: &str,
+        log: Arc<Log>,
         library: Arc<Library>,
         inputs: &[&Variable],
         outputs: &[&Variable],
     ) -> Result<Self, Error> {
-        let log = Arc::new(Log::default());
         let instance = Instance::new(&library.import, name, log.clone());
         let instance = instance.map_err(|error| match error {
             fmi::Error::Instantiation => Error::Call {
@@ -76,11 +76,6 @@ impl Fmu {
     /// Lets `get_slopes` ask for the derivatives of outputs, which are those of `new`.
     pub fn tell(&mut self, outputs: &[&Variable]) {
         self.told = Derivatives::new(outputs, |variable| variable.continuous);
-    }
-
-    /// Its messages; may be read after it is gone.
-    pub fn log(&self) -> (String, Arc<Log>) {
-        (self.name.clone(), self.log.clone())
     }
 
     /// Sets parameters and start values and enters initialisation mode; `stop` in [s].
@@ -214,7 +209,7 @@ impl Drop for Fmu {
 }
 
 /// The last messages of an FMU, a line each.
-fn said(log: &Log) -> String {
+pub fn said(log: &Log) -> String {
     let messages = log.messages();
     let last = messages.iter().rev().take(LAST_MESSAGES).rev();
     last.map(|message| format!("\n  {}: {}", message.category, message.text))

@@ -20,7 +20,8 @@
 //!
 //! Independent runs share nothing but the unpacked FMU files: [`run_all`] gives them to threads.
 //!
-//! A [`Watch`] looks at runs while they are made, and ends them at a communication point.
+//! A [`Watch`] looks at runs while they are made, and ends them at a communication point. [`Live`] tells of one run
+//! that does not get there, since an FMU does not return.
 //!
 //! Rows are recorded as they are made, one after the other: a column of 30,000 rows would be
 //! written with one cache line per value.
@@ -53,6 +54,7 @@ mod gather;
 pub mod known_units;
 mod library;
 mod linker;
+mod live;
 mod mapped;
 mod mapping;
 mod names;
@@ -61,6 +63,7 @@ mod package;
 mod parallel;
 mod part;
 pub mod plan;
+mod recorder;
 mod run;
 mod scenario;
 mod signals;
@@ -78,9 +81,10 @@ mod world;
 pub use cosim_raw::Message;
 pub use error::Error;
 pub use library::{Libraries, Library};
+pub use live::Live;
 pub use mapping::Mapping;
 pub use noise::Noise;
-pub use parallel::{Job, Made, Outcome, Told, run_all, run_into};
+pub use parallel::{Job, Made, Outcome, Told, run_all, run_into, run_seen};
 pub use plan::Plan;
 pub use run::Run;
 pub use scenario::Scenario;

@@ -5,14 +5,14 @@ mod ending;
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
 use cosim_master::{
-    Error, Job, Libraries, Mapping, Message, Outcome, Scenario, System, Told, run_all,
+    Error, Job, Libraries, Live, Mapping, Message, Outcome, Plan, Scenario, System, Told, run_seen,
 };
 use ending::Ending;
 use std::fmt::Write as _;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
+use std::sync::{Arc, mpsc};
+use std::thread;
 
 /// A compiled master for FMI 2.0 co-simulation FMUs.
 #[derive(Parser)]
@@ -44,7 +44,11 @@ Examples:
   cosim run examples/closed_loop/paper_case1.toml --timeout 60
 
 Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed, 5 timeout,
-130 Ctrl-C; the rows before a failure, the limit or Ctrl-C are written. A second Ctrl-C ends at once.";
+130 Ctrl-C; the rows before a failure, the limit or Ctrl-C are written, also when an FMU does not return
+within 2 s of either. A second Ctrl-C ends at once.";
+
+/// What to do about an FMU that does not return.
+const REMEDY: &str = "; another --step may get past this time, else who made the FMU must mend it";
 
 #[derive(Args)]
 struct RunWords {
@@ -93,18 +97,29 @@ struct RunWords {
 
 fn main() -> ExitCode {
     let Verb::Run(words) = Words::parse().verb;
-    let done = Ending::begin(words.timeout).map_err(|error| (2, error.to_string()));
-    let done = done.and_then(|ending| run(words, &ending).map_err(|error| told(&error, &ending)));
-    match done {
+    let ending = match Ending::begin(words.timeout) {
+        Ok(ending) => ending,
+        Err(error) => return failed(2, &error.to_string()),
+    };
+    match run(words, &ending) {
         Ok(told) => {
             println!("{told}");
             ExitCode::SUCCESS
         }
-        Err((code, told)) => {
-            eprintln!("cosim: {told}");
-            ExitCode::from(code)
+        Err(error) => {
+            let (code, told) = told(&error, &ending);
+            let done = failed(code, &told);
+            if let Error::Stuck { .. } = error {
+                ending.leave(code)
+            }
+            done
         }
     }
+}
+
+fn failed(code: u8, told: &str) -> ExitCode {
+    eprintln!("cosim: {told}");
+    ExitCode::from(code)
 }
 
 /// Exit code of an error, and what to tell.
@@ -114,6 +129,7 @@ fn told(error: &Error, ending: &Ending) -> (u8, String) {
             let (code, cause) = ending.cause();
             return (code, format!("{error}: {cause}"));
         }
+        Error::Stuck { .. } => ending.cause().0,
         error if error.is_at_run_time() => 4,
         error if error.is_of_an_fmu() => 3,
         _ => 2,
@@ -165,7 +181,6 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     let times = system.times()?;
     let record = (!words.record.is_empty()).then_some(words.record);
     let outcome = outcome(&system, &words.fmu_dir, &times, record, ending)?;
-    ending.returned();
     if words.verbose {
         tell(&outcome.log);
     }
@@ -195,26 +210,32 @@ fn outcome(
     let (mut plan, held) = system.plan(folder, &scenario, &mut libraries)?;
     plan.record = record;
     let script = system.rows(&scenario, (&plan, &held), times)?;
-    let job = Job {
-        plan,
-        times,
-        script: &script,
-    };
-    let slot = Mutex::new(None);
-    let keep = |_, outcome| {
-        if let Ok(mut slot) = slot.lock() {
-            *slot = Some(outcome);
-        }
-    };
-    run_all(
-        &[job],
-        &libraries,
-        NonZero::<usize>::MIN,
-        &ending.watch,
-        keep,
-    );
-    let outcome = slot.into_inner().ok().flatten();
-    outcome.ok_or_else(|| Error::Usage("the run was lost".into()))
+    Ok(made(plan, (times, script), libraries, ending))
+}
+
+/// Makes a run in a thread of its own, which is left alone when an FMU does not return.
+fn made(
+    plan: Plan,
+    (times, script): (&[f64], Vec<f64>),
+    mut libraries: Libraries,
+    ending: &Ending,
+) -> Outcome {
+    let live = Arc::new(Live::default());
+    let (give, take) = mpsc::channel();
+    let (seen, watch, points) = (live.clone(), ending.watch.clone(), times.to_vec());
+    thread::spawn(move || {
+        let job = Job {
+            plan,
+            times: &points,
+            script: &script,
+        };
+        // Nobody takes it any more when that took too long.
+        let _ = give.send(run_seen(&job, &mut libraries, &watch, &seen));
+    });
+    ending.awaited(&take).unwrap_or_else(|| {
+        let why = format!("{}{REMEDY}", ending.cause().1);
+        live.stuck(times, &why)
+    })
 }
 
 /// Prints the messages of all FMUs by their times.

@@ -2,7 +2,9 @@
 
 use crate::error::Error;
 use crate::library::Libraries;
+use crate::live::{Live, Seen};
 use crate::plan::Plan;
+use crate::recorder::{Recorder, Rows, open};
 use crate::run::Run;
 use crate::watch::Watch;
 use cosim_raw::Message;
@@ -75,8 +77,9 @@ pub fn run_into(
     let mut made: Vec<Made> = jobs.iter().map(|_| Made::default()).collect();
     let work = jobs.iter().zip(rows).zip(&mut made).collect();
     let each = |((job, rows), made): ((&Job<'_>, _), &mut Made), libraries: &mut Libraries| {
-        *made = match Run::new(&job.plan, libraries) {
-            Ok(run) => make(run, job, rows, watch),
+        let live = Live::default();
+        *made = match Run::new(&job.plan, libraries, &live) {
+            Ok(run) => make(run, job, Rows::Own(rows), watch, &live),
             Err(error) => (0, Some(error), vec![]),
         };
     };
@@ -113,22 +116,23 @@ fn share<Piece: Send>(
     });
 }
 
-/// Makes one run.
-fn one(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch) -> Outcome {
-    let run = match Run::new(&job.plan, libraries) {
+/// Makes one run in this thread, which others can look at by `live`.
+pub fn run_seen(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch, live: &Live) -> Outcome {
+    let run = match Run::new(&job.plan, libraries, live) {
         Ok(run) => run,
-        Err(error) => {
-            return Outcome {
-                names: vec![],
-                rows: vec![],
-                error: Some(error),
-                log: vec![],
-            };
-        }
+        Err(error) => return failed(error, live),
     };
     let names = run.names();
-    let mut rows = vec![0.0; job.times.len() * names.len()];
-    let (good, error, log) = make(run, job, &mut rows, watch);
+    let rows = vec![0.0; job.times.len() * names.len()];
+    *open(&live.seen) = Seen {
+        names,
+        rows,
+        good: 0,
+    };
+    let (good, error, log) = make(run, job, Rows::Seen(&live.seen), watch, live);
+    let Seen {
+        names, mut rows, ..
+    } = std::mem::take(&mut *open(&live.seen));
     rows.truncate(good * names.len());
     Outcome {
         names,
@@ -138,9 +142,36 @@ fn one(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch) -> Outcome {
     }
 }
 
-fn make(run: Run, job: &Job<'_>, rows: &mut [f64], watch: &Watch) -> Made {
-    let logs = run.logs();
-    let (good, done) = run.run(&job.plan, job.times, job.script, rows, watch);
-    let log = logs.into_iter().map(|(name, log)| (name, log.messages()));
-    (good, done.err(), log.collect())
+/// Makes one run.
+fn one(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch) -> Outcome {
+    let live = Live::default();
+    let run = match Run::new(&job.plan, libraries, &live) {
+        Ok(run) => run,
+        Err(error) => return failed(error, &live),
+    };
+    let names = run.names();
+    let mut rows = vec![0.0; job.times.len() * names.len()];
+    let (good, error, log) = make(run, job, Rows::Own(&mut rows), watch, &live);
+    rows.truncate(good * names.len());
+    Outcome {
+        names,
+        rows,
+        error,
+        log,
+    }
+}
+
+fn failed(error: Error, live: &Live) -> Outcome {
+    Outcome {
+        names: vec![],
+        rows: vec![],
+        error: Some(error),
+        log: live.log(),
+    }
+}
+
+fn make(run: Run, job: &Job<'_>, rows: Rows<'_>, watch: &Watch, live: &Live) -> Made {
+    let recorder = Recorder::new(rows, run.width());
+    let (good, done) = run.run(&job.plan, (job.times, job.script), recorder, watch);
+    (good, done.err(), live.log())
 }

@@ -35,6 +35,7 @@ impl Part {
     /// `read` says what is read of it, `first` where its outputs begin in the world.
     pub fn new(
         component: &Component,
+        log: &Arc<Log>,
         library: &Arc<Library>,
         read: &Read<'_>,
         places: &HashMap<&str, usize>,
@@ -48,7 +49,13 @@ impl Part {
             .map(|mapped| Translator::new(&component, mapped, &inputs, &read.variables));
         let name = |variable: &&Variable| variable.name.clone();
         Ok(Self {
-            fmu: Fmu::new(&component.name, library.clone(), &inputs, &read.variables)?,
+            fmu: Fmu::new(
+                &component.name,
+                log.clone(),
+                library.clone(),
+                &inputs,
+                &read.variables,
+            )?,
             gather: Gather::new(&component.name, &component.inputs, places)?,
             outputs: first..first + read.names.len(),
             translator: translator.transpose()?,
@@ -165,11 +172,6 @@ impl Part {
                 Ok(())
             }
         }
-    }
-
-    /// The messages of its FMU.
-    pub fn log(&self) -> (String, Arc<Log>) {
-        self.fmu.log()
     }
 }
 

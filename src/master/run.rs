@@ -2,14 +2,14 @@
 
 use crate::error::Error;
 use crate::library::Libraries;
+use crate::live::Live;
 use crate::part::Part;
 use crate::plan::{Coupling, Plan};
+use crate::recorder::Recorder;
 use crate::slopes::Slopes;
 use crate::watch::Watch;
 use crate::world;
-use cosim_raw::{Log, prefetch};
 use std::array;
-use std::sync::Arc;
 
 /// Sweeps over the initial values, beyond one per component.
 const SWEEPS: usize = 50;
@@ -34,18 +34,20 @@ pub struct Run {
 }
 
 impl Run {
-    /// Instantiates and wires the FMUs of a plan.
-    pub fn new(plan: &Plan, libraries: &mut Libraries) -> Result<Self, Error> {
+    /// Instantiates and wires the FMUs of a plan; `live` tells others of it.
+    pub fn new(plan: &Plan, libraries: &mut Libraries, live: &Live) -> Result<Self, Error> {
         let opened = plan.components.iter().map(|c| libraries.open(&c.fmu));
         let opened: Vec<_> = opened.collect::<Result<_, _>>()?;
         let descriptions: Vec<_> = opened.iter().map(|library| library.description()).collect();
         let read = world::outputs(plan, &descriptions)?;
         let all = world::names(plan, &read);
         let places = world::index(&all);
+        let logs = live.begin(plan);
         let mut parts = vec![];
         let mut first = plan.script.len();
-        for ((component, library), read) in plan.components.iter().zip(&opened).zip(&read) {
-            let part = Part::new(component, library, read, &places, first)?;
+        let components = plan.components.iter().zip(&logs);
+        for (((component, log), library), read) in components.zip(&opened).zip(&read) {
+            let part = Part::new(component, log, library, read, &places, first)?;
             first = part.outputs.end;
             parts.push(part);
         }
@@ -74,6 +76,11 @@ impl Run {
         Ok(world::names(plan, &world::outputs(plan, &descriptions)?))
     }
 
+    /// How many signals are recorded.
+    pub(crate) fn width(&self) -> usize {
+        self.kept.as_ref().map_or(self.all.len(), Vec::len)
+    }
+
     /// Names of the recorded signals, in the order of a row.
     pub fn names(&self) -> Vec<String> {
         match &self.kept {
@@ -85,34 +92,21 @@ impl Run {
         }
     }
 
-    /// What each FMU says, by its component's name; complete when the run is over.
-    pub fn logs(&self) -> Vec<(String, Arc<Log>)> {
-        self.parts.iter().map(Part::log).collect()
-    }
-
     /// Runs over `times` [s], the first of which is the start.
     ///
-    /// `script` has a row of scenario signals for each time, and `rows` takes a row of the
-    /// recorded signals for each; both row by row, as they are made. `watch` may end it. Returns how many rows are
-    /// good, and why they are not all.
-    pub fn run(
+    /// `script` has a row of scenario signals for each time, and `recorder` takes a row of the
+    /// recorded signals for each. `watch` may end it. Returns how many rows are good, and why they are not all.
+    pub(crate) fn run(
         mut self,
         plan: &Plan,
-        times: &[f64],
-        script: &[f64],
-        rows: &mut [f64],
+        (times, script): (&[f64], &[f64]),
+        mut recorder: Recorder<'_>,
         watch: &Watch,
     ) -> (usize, Result<(), Error>) {
-        let width = self.kept.as_ref().map_or(self.all.len(), Vec::len);
         let count = self.script;
         let scripted = |k: usize| {
             let row = script.get(k * count..(k + 1) * count);
             row.unwrap_or_default()
-        };
-        let mut recorder = Recorder {
-            rows,
-            width,
-            done: 0,
         };
         let mut done = self.initialize(plan, times, scripted(0));
         if done.is_ok() {
@@ -132,7 +126,7 @@ impl Run {
                 self.record(&mut recorder, next)
             });
         }
-        (recorder.done, done)
+        (recorder.good(), done)
     }
 
     /// Passes initial values on until nothing changes.
@@ -259,34 +253,6 @@ fn along(
             let mut all = parts.iter_mut();
             all.try_for_each(|part| part.step(world, time, step))
         }
-    }
-}
-
-/// Rows so far; one that holds no number is not kept.
-struct Recorder<'a> {
-    rows: &'a mut [f64],
-    width: usize,
-    done: usize,
-}
-
-impl Recorder<'_> {
-    fn push(&mut self, world: &[f64], kept: Option<&[usize]>, good: bool) {
-        let begin = self.done * self.width;
-        let Some((row, later)) = self
-            .rows
-            .get_mut(begin..)
-            .and_then(|rest| rest.split_at_mut_checked(self.width))
-        else {
-            return;
-        };
-        prefetch(later.get(..self.width).unwrap_or_default());
-        match kept {
-            None => row.copy_from_slice(world),
-            Some(places) => row.iter_mut().zip(places).for_each(|(value, place)| {
-                *value = world.get(*place).copied().unwrap_or(f64::NAN);
-            }),
-        }
-        self.done += usize::from(good);
     }
 }
 

@@ -19,6 +19,11 @@ impl Watch {
         self.ended.store(true, Relaxed);
     }
 
+    /// Whether runs are to end.
+    pub fn is_ended(&self) -> bool {
+        self.ended.load(Relaxed)
+    }
+
     /// What ends all runs when it is set: for a signal handler, or another thread.
     pub fn switch(&self) -> Arc<AtomicBool> {
         self.ended.clone()

@@ -11,14 +11,17 @@
 //! them; an instance is used until fmi2FreeInstance. Ours: an [`Instance`] cannot be shared between
 //! threads, its library is unloaded after it is freed, and the files of the FMU are the caller's to keep.
 
+mod calls;
 mod log;
 mod memory;
 mod status;
 
+pub use calls::Calls;
 pub use log::{Log, MESSAGES, Message};
 pub use memory::prefetch;
 pub use status::Status;
 
+use calls::number;
 use fmi::fmi2::binding::{
     Fmi2Binding, fmi2CallbackFunctions, fmi2Component, fmi2Status,
     fmi2StatusKind_fmi2LastSuccessfulTime, fmi2Type_fmi2CoSimulation,
@@ -53,7 +56,7 @@ pub struct Instance {
     binding: Fmi2Binding,
     /// Until the FMU is freed it may call these, and they add to the log.
     _callbacks: Box<fmi2CallbackFunctions>,
-    _log: Arc<Log>,
+    log: Arc<Log>,
 }
 
 impl Instance {
@@ -68,6 +71,7 @@ impl Instance {
         let description = import.model_description();
         let kind = description.co_simulation.as_ref();
         let kind = kind.ok_or_else(|| fmi::Error::UnsupportedFmuType("CS".into()))?;
+        log.enter(const { number("the loading of its library") });
         let binding = import.binding(&kind.model_identifier)?;
         lacks(&binding).map_or(Ok(()), |function| {
             let what = format!("its library has no {function}");
@@ -101,6 +105,7 @@ impl Instance {
             stepFinished: None,
             componentEnvironment: Arc::as_ptr(&log).cast_mut().cast(),
         });
+        log.enter(const { number("fmi2Instantiate") });
         // SAFETY: texts end with a null character; the callbacks and what they point at live as long as
         // the instance.
         let component = unsafe {
@@ -121,12 +126,13 @@ impl Instance {
             component,
             binding,
             _callbacks: callbacks,
-            _log: log,
+            log,
         })
     }
 
     /// fmi2SetupExperiment from 0 to `stop` [s], without a tolerance.
     pub fn setup_experiment(&mut self, stop: f64) -> Called {
+        self.log.enter(const { number("fmi2SetupExperiment") });
         // SAFETY: the instance lives.
         let status = unsafe {
             self.binding
@@ -137,18 +143,23 @@ impl Instance {
 
     /// fmi2EnterInitializationMode.
     pub fn enter_initialization_mode(&mut self) -> Called {
+        self.log
+            .enter(const { number("fmi2EnterInitializationMode") });
         // SAFETY: the instance lives.
         Status::check(unsafe { self.binding.fmi2EnterInitializationMode(self.component) })
     }
 
     /// fmi2ExitInitializationMode.
     pub fn exit_initialization_mode(&mut self) -> Called {
+        self.log
+            .enter(const { number("fmi2ExitInitializationMode") });
         // SAFETY: the instance lives.
         Status::check(unsafe { self.binding.fmi2ExitInitializationMode(self.component) })
     }
 
     /// fmi2Terminate.
     pub fn terminate(&mut self) -> Called {
+        self.log.enter(const { number("fmi2Terminate") });
         // SAFETY: the instance lives.
         Status::check(unsafe { self.binding.fmi2Terminate(self.component) })
     }
@@ -156,6 +167,7 @@ impl Instance {
     /// fmi2DoStep from `time` by `step` [s].
     #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Called {
+        self.log.enter(const { number("fmi2DoStep") });
         // SAFETY: the instance lives.
         Status::check(unsafe { self.binding.fmi2DoStep(self.component, time, step, 1) })
     }
@@ -165,6 +177,7 @@ impl Instance {
         let kind = fmi2StatusKind_fmi2LastSuccessfulTime;
         let mut time = f64::NAN;
         self.binding.fmi2GetRealStatus.is_ok().then_some(())?;
+        self.log.enter(const { number("fmi2GetRealStatus") });
         // SAFETY: the instance lives, and so does the one number that is written.
         let status = unsafe {
             self.binding
@@ -179,6 +192,8 @@ impl Instance {
         if self.binding.fmi2SetRealInputDerivatives.is_err() {
             return Err(Status::Missing);
         }
+        self.log
+            .enter(const { number("fmi2SetRealInputDerivatives") });
         // SAFETY: the instance lives, and the arrays have `count` elements at least.
         let status = unsafe {
             self.binding.fmi2SetRealInputDerivatives(
@@ -198,6 +213,8 @@ impl Instance {
         if self.binding.fmi2GetRealOutputDerivatives.is_err() {
             return Err(Status::Missing);
         }
+        self.log
+            .enter(const { number("fmi2GetRealOutputDerivatives") });
         // SAFETY: the instance lives, and the arrays have `count` elements at least.
         let status = unsafe {
             self.binding.fmi2GetRealOutputDerivatives(
@@ -224,6 +241,7 @@ macro_rules! access {
                 if self.binding.$function.is_err() {
                     return Err(Status::Missing);
                 }
+                self.log.enter(const { number(stringify!($function)) });
                 let at = self.component;
                 // SAFETY: the instance lives, and both arrays have `count` elements at least.
                 let status = unsafe { self.binding.$function(at, references, count, values) };
@@ -244,6 +262,7 @@ access! {
 
 impl Drop for Instance {
     fn drop(&mut self) {
+        self.log.enter(const { number("fmi2FreeInstance") });
         // SAFETY: the instance lives and is not used again; its library is unloaded after this.
         unsafe { self.binding.fmi2FreeInstance(self.component) }
     }

@@ -1,8 +1,9 @@
 //! What an FMU says through its logger, with the time at which it says it.
 
+use crate::calls::Calls;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Messages of one instance that are kept; one more tells that there were more.
 pub const MESSAGES: usize = 1000;
@@ -29,9 +30,26 @@ pub struct Log {
     /// Bits of the communication point [s].
     now: AtomicU64,
     messages: Mutex<Vec<Message>>,
+    /// Where the calls of its run are told, and the number of its instance there.
+    calls: Arc<Calls>,
+    number: u32,
 }
 
 impl Log {
+    /// The log of the instance of this number.
+    pub fn new(calls: Arc<Calls>, number: u32) -> Self {
+        Self {
+            calls,
+            number,
+            ..Self::default()
+        }
+    }
+
+    #[inline]
+    pub(crate) fn enter(&self, function: u64) {
+        self.calls.enter(self.number, function);
+    }
+
     /// Gives the messages to come their time [s].
     pub fn at(&self, time: f64) {
         self.now.store(time.to_bits(), Ordering::Relaxed);
