@@ -86,6 +86,8 @@ struct Now {
     design: Design,
     /// T_v [N·m].
     t_v: f64,
+    /// What T_c1, T_c2 are less over the step than at its end [N·m], shape (2).
+    half: [f64; 2],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -161,7 +163,7 @@ impl Adaptive {
         let t_c = self.torques(settings, &now.levers).1;
         self.lock.step(p, sample, t_c, h);
         if settings.adapts {
-            self.recall(p, settings.mu_n, sample, &now.levers, engaged, h);
+            now.half = self.recall(p, settings.mu_n, sample, &now.levers, engaged, h);
             self.adapt(&now, settings.mu_n, h);
         }
         now.t_v = self.load.step(p, settings.load, sample, &self.lock, h);
@@ -214,6 +216,7 @@ impl Adaptive {
             model,
             a,
             t_v: 0.0,
+            half: [0.0; 2],
         }
     }
 
@@ -282,7 +285,8 @@ impl Adaptive {
 
     /// (19) over one step with the innovation held.
     fn predict(&mut self, settings: &Settings, sample: &Sample, now: &Now, h: f64) {
-        let t_c = self.torques(settings, &now.levers).1;
+        let end = self.torques(settings, &now.levers).1;
+        let t_c = [0, 1].map(|i| end[i] - now.half[i]);
         let (x_hat, innovation) = (self.x_hat, self.innovation);
         let discrete = self.discrete(&now.model, &now.design.l, h);
         self.x_hat = discrete.phi * x_hat

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! ω_d is not measured, but of an engaged clutch ω_d = ω_ci, so the speeds of engine and input shaft are those of the
-//! damper's two ends (J_d, behind it, is small). With this (29) has nothing to follow: a torque that moved while ε̂
+//! damper's two ends (J_d, behind it, is small). Over a step such a torque acts as its mean, T_ci − ΔT_ci/2, where that of a
+//! slipping clutch is held with its force. With this (29) has nothing to follow: a torque that moved while ε̂
 //! was held left x̃1 and x̃2, and with them an error of x̂3 that takes seconds to go in a light gearbox. The errors ε̃
 //! move as before: where T_c moves as it is known to, ε̃' = −ε̂' of (29), which is what the proof of `lyapunov` needs.
 
@@ -21,7 +22,8 @@ use crate::observer::lever::Lever;
 impl Adaptive {
     /// Moves ε̂ to the levers of a sample `h` [s] after the last one, from which `engaged` is.
     ///
-    /// A clutch that begins to slip takes the friction learnt in its last slip, against the slip.
+    /// A clutch that begins to slip takes the friction learnt in its last slip, against the slip. Returned is the half
+    /// of what the torques of engaged clutches moved by [N·m], shape (2): they act without it over the step.
     ///
     /// Deviation: the paper takes ε̂ as slow (ε̇ ≈ 0), but f_n changes with the position, so ε̂ of a wrong
     /// friction does too; and it lets (29) find each slip anew, from what it adapted in the engaged
@@ -34,7 +36,7 @@ impl Adaptive {
         levers: &[Lever; 2],
         engaged: [bool; 2],
         h: f64,
-    ) {
+    ) -> [f64; 2] {
         let last = [0, 1].map(|i| Lever {
             arm: self.arm[i],
             f_n: self.f_n[i],
@@ -47,7 +49,7 @@ impl Adaptive {
             }
         }
         let wound = self.wound(p, sample, h);
-        let now = self.carried(mu_n, levers);
+        let (now, mut half) = (self.carried(mu_n, levers), [0.0; 2]);
         for (i, j) in [(0, 1), (1, 0)] {
             let swings = self.friction.known(i) || sample.slip()[i].abs() <= self.lock.swing[i];
             let engaged = last[i].f_n > 0.0 && self.lock.holds(i) && !beyond[i] && swings;
@@ -55,10 +57,12 @@ impl Adaptive {
             if engaged && (open || beyond[j] && self.friction.known(j)) {
                 let torque = before[i] + wound[i] - (now[j] - before[j]);
                 self.keep_torque(i, mu_n[i], &levers[i], torque);
+                half[i] = 0.5 * (self.carried(mu_n, levers)[i] - before[i]);
             }
         }
         self.slip = sample.slip();
         (self.f_n, self.arm) = (levers.map(|lever| lever.f_n), levers.map(|lever| lever.arm));
+        half
     }
 
     /// T̂_c of ε̂ at given levers [N·m], shape (2).

@@ -54,20 +54,21 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
 #[test]
 fn methods_are_within_their_limits_on_the_paper_scenario_at_100_hz() {
     let drive = scenarios::paper().drive(1e-2);
-    check(Method::Paper, &drive, 0.0, [4.5, 4.5, 1.7]);
-    check(Method::Lyapunov, &drive, 0.0, [4.5, 5.0, 2.6]);
+    check(Method::Paper, &drive, 0.0, [3.5, 4.3, 1.5]);
+    check(Method::Lyapunov, &drive, 0.0, [3.9, 4.9, 2.5]);
     check(Method::Energy, &drive, 0.0, [1.5, 3.0, 1.0]);
     check(Method::Kalman, &drive, 0.0, [2.0, 2.2, 1.7]);
 }
 
 /// T_v was short by a twentieth of the accelerating torque while E was taken as held over a step: T_o of these seeds
-/// missed by 4.6 to 5.9 %, that of energy by 1.7 to 2.0 %.
+/// missed by 4.6 to 5.9 %, that of energy by 1.7 to 2.0 %. Taken as held over a step at what it is at its end, the torque
+/// of an engaged clutch, which swings with the damper, took T_c1 of paper and lyapunov to 3.6 to 4.5 %.
 #[test]
 fn methods_are_within_their_limits_on_drives_by_chance_at_100_hz() {
     for seed in [2, 3, 9] {
         let drive = scenarios::random(seed).drive(1e-2);
-        check(Method::Paper, &drive, 0.0, [5.5, 4.0, 3.8]);
-        check(Method::Lyapunov, &drive, 0.0, [5.0, 4.5, 3.6]);
+        check(Method::Paper, &drive, 0.0, [3.0, 2.8, 3.6]);
+        check(Method::Lyapunov, &drive, 0.0, [3.0, 3.4, 3.4]);
         check(Method::Energy, &drive, 0.0, [2.0, 2.0, 1.5]);
     }
 }
@@ -189,8 +190,8 @@ fn a_noisy_speed_leaves_what_a_hot_lining_carries_known() {
 #[test]
 fn torques_are_followed_through_gear_changes() {
     let limits = [
-        (Method::Paper, [3.5, 7.5, 2.5], [6.5, 14.0, 4.6]),
-        (Method::Lyapunov, [5.0, 8.0, 3.5], [6.3, 11.5, 4.6]),
+        (Method::Paper, [3.5, 7.5, 2.5], [3.8, 13.5, 4.1]),
+        (Method::Lyapunov, [5.0, 8.0, 3.5], [4.6, 11.0, 4.2]),
         (Method::Energy, [2.3, 3.0, 1.5], [3.5, 3.0, 2.6]),
         (Method::Kalman, [2.0, 2.0, 1.1], [2.8, 3.2, 1.4]),
         (Method::Calibrating, [2.2, 2.5, 1.5], [2.8, 4.0, 2.3]),
