@@ -14,8 +14,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from dct_harness.fmu import Fmu
-from dct_harness.isolated import Isolated, Limits
+from dct_harness.fmu.fmu import Fmu
+from dct_harness.fmu.isolated import Isolated, Limits
 from gate import Gate
 
 STEP = 1e-3  # s

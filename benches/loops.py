@@ -21,9 +21,9 @@ import dask_sweep
 import fmpy_loop
 import in_ecos
 import numpy as np
-from dct_harness import system
-from dct_harness.master import Run
-from dct_harness.native import NativeRun
+from dct_harness.master.master import Run
+from dct_harness.master.native import NativeRun
+from dct_harness.system import system
 from measure import ROOT, WORK
 from measure import run as measured
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_loop_runs import GOLDEN, SYSTEMS, Runs, golden_json, golden_rows, rms, run
-from dct_harness import scenario
 from dct_harness.results import Results
+from dct_harness.system import scenario
 
 STEP = 1e-3  # s, of every system file in examples/closed_loop
 SPEED_LIMIT = 1e-3  # rad/s, promised; the reference itself is good to 1e-8

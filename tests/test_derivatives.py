@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS
-from dct_harness import scenario
+from dct_harness.system import scenario
 from fmu_instance import Instance
 
 STEP = 1e-3  # s

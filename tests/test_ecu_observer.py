@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_loop_runs import ROOT, SYSTEMS, Runs
-from dct_harness import calibration, parameters
 from dct_harness.results import Results
+from dct_harness.ssp import calibration
+from dct_harness.system import parameters
 
 EXAMPLE = ROOT / "examples" / "ecu_observer"
 TARGET = ROOT / "target" / "ecu_observer"

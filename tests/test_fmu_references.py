@@ -13,7 +13,7 @@ import fmpy
 import numpy as np
 import pytest
 import xmlschema
-from dct_harness import parameters
+from dct_harness.system import parameters
 from fmpy import read_model_description, simulate_fmu
 from fmu_instance import Instance
 from importer_cases import MODELS, ROOT, fmu

@@ -7,8 +7,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from dct_harness import archive
 from dct_harness.errors import FmuInvalidError
+from dct_harness.fmu import archive
 from harness_fixture.lag_fmu import BINARY, LAG, description, harness, write_fmu
 from importer_cases import fmu
 

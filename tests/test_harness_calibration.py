@@ -8,7 +8,9 @@ import closed_loop_runs
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS, rms
-from dct_harness import calibration, cli, parameters, results
+from dct_harness import cli, results
+from dct_harness.ssp import calibration
+from dct_harness.system import parameters
 
 STOP = "6"  # s: the launch of the paper's scenario, and a drive
 SOFT = "observer.driveShaft.stiffness=4300"  # of 4887 N.m/rad

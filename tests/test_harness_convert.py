@@ -8,9 +8,10 @@ from pathlib import Path
 import asammdf
 import numpy as np
 import pytest
-from dct_harness import cli, formats, scenario, units
+from dct_harness import cli, formats, units
 from dct_harness.errors import ConfigError
 from dct_harness.measured import Channel, Mapping, common, read
+from dct_harness.system import scenario
 
 MAP = """[[signals]]
 from = "EngSpd"

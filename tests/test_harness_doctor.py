@@ -6,7 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
-from dct_harness import loader
+from dct_harness.fmu import loader
 from harness_fixture.lag_fmu import compile_library, harness, write_fmu
 
 

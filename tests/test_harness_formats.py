@@ -12,8 +12,9 @@ from pathlib import Path
 import asammdf
 import numpy as np
 import pytest
-from dct_harness import formats, junit, results
+from dct_harness import formats, results
 from dct_harness.errors import ConfigError
+from dct_harness.verbs import junit
 from harness_fixture.lag_fmu import (
     LAG,
     environment,

@@ -9,7 +9,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from dct_harness import cli, doctor_verb, progress
+from dct_harness import cli
+from dct_harness.verbs import doctor as doctor_verb
+from dct_harness.verbs import progress
 from harness_fixture.lag_fmu import HARNESS, harness, write_fmu, write_system
 
 

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dct_harness import graph, results
-from dct_harness.initial import Initialization, Member
-from dct_harness.transforms import Conversion
+from dct_harness.master.initial import Initialization, Member
+from dct_harness.system.transforms import Conversion
 from harness_fixture.lag_fmu import run, variable, write_fmu
 
 DIRECT = (

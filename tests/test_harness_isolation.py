@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dct_harness import results
-from dct_harness.isolated import Isolated, Limits
-from dct_harness.remote import Remote
+from dct_harness.fmu.isolated import Isolated, Limits
+from dct_harness.fmu.remote import Remote
 from harness_fixture.lag_fmu import run, write_system
 
 (CRASH, HANG, EXIT, FORK, FLOOD, CHDIR, PRINT, MEMORY, DAEMON, ABORT, GARBAGE, CLOSE, IGNORE_TERM,

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dct_harness import master, results
+from dct_harness import results
+from dct_harness.master import master
 from harness_fixture.lag_fmu import environment, run, run_command, write_system
 
 ROUNDING = 1e-12  # a thousand exact steps, each rounded once

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dct_harness import results
-from dct_harness.coupling import algebraic_loops, delayed
+from dct_harness.master.coupling import algebraic_loops, delayed
 from harness_fixture.lag_fmu import LAG, run, variable, write_fmu
 
 STEP = 0.01  # s

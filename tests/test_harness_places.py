@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from dct_harness import tomlfile
-from dct_harness.tomlplaces import places
+from dct_harness.system import tomlfile
+from dct_harness.system.tomlplaces import places
 
 TRICKY = r'''# a = 1
 title = "not # a comment, [nor] a.table = {}"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 from dct_harness.errors import ConfigError
-from dct_harness.stepper import Stepper
+from dct_harness.master.stepper import Stepper
 from harness_fixture.lag_fmu import write_system
 
 BIN = Path(sys.executable).parent

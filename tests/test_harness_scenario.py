@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dct_harness import results, scenario
+from dct_harness import results
 from dct_harness.errors import ConfigError
+from dct_harness.system import scenario
 
 
 @pytest.mark.parametrize(("text", "said"), [

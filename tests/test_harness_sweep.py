@@ -15,9 +15,9 @@ import numpy as np
 import pyarrow
 import pytest
 from dct_harness.errors import ConfigError
-from dct_harness.sampling import METHODS, parse, points
-from dct_harness.study_cases import Job
-from dct_harness.sweep_workers import LOST, parallel
+from dct_harness.sweep.cases import Job
+from dct_harness.sweep.sampling import METHODS, parse, points
+from dct_harness.sweep.workers import LOST, parallel
 from harness_fixture.lag_fmu import HARNESS, environment, harness, write_system
 from pyarrow import parquet
 

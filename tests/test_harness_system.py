@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from dct_harness import system
 from dct_harness.errors import ConfigError
+from dct_harness.system import system
 from harness_fixture.lag_fmu import run, write_system
 
 LIMIT = '[[kpis]]\nkpi = "{}"\nsignal = "clutch1.torque"\n{}\n'

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS, rms, run
-from dct_harness import parameters
 from dct_harness.errors import ConfigError
-from dct_harness.fmu import Fmu
+from dct_harness.fmu.fmu import Fmu
+from dct_harness.system import parameters
 
 SETS = SYSTEMS / "parameters"
 HEAD = f'<s:ParameterSet xmlns:s="{parameters.VALUES[1:-1]}"><s:Parameters>'

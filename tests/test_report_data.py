@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dct_harness import report, results, system
+from dct_harness import report, results
 from dct_harness.errors import ConfigError
 from dct_harness.report import (
     benefit,
@@ -29,6 +29,7 @@ from dct_harness.report import (
     runs,
 )
 from dct_harness.results import Results
+from dct_harness.system import system
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENARIOS = ROOT / "examples" / "closed_loop" / "scenarios"

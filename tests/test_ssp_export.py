@@ -14,7 +14,8 @@ import numpy as np
 import pyssp_standard
 import pytest
 from closed_loop_runs import FMUS, ROOT, SYSTEMS
-from dct_harness import results, ssp
+from dct_harness import results
+from dct_harness.ssp import ssp
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 from harness_fixture.lag_fmu import LAG, harness, variable, write_fmu

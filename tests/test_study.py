@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dct_harness import cli, study_cases, study_file
+from dct_harness import cli
 from dct_harness.errors import ConfigError
-from dct_harness.sampling import parse, points
-from dct_harness.study import Study
-from dct_harness.sweep_verb import plan
+from dct_harness.sweep import cases as study_cases
+from dct_harness.sweep import study_file
+from dct_harness.sweep.sampling import parse, points
+from dct_harness.sweep.study import Study
+from dct_harness.verbs.sweep import plan
 from harness_fixture.lag_fmu import harness, write_system
 from pyarrow import parquet
 

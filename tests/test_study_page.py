@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from dct_harness import study_file
+from dct_harness.sweep import study_file
 
 LARGEST = 400_000  # bytes of rows and picture in the repository
 

@@ -17,8 +17,8 @@ from dct_harness import report
 from dct_harness.errors import ConfigError
 from dct_harness.report.study_data import Shown, StudyData
 from dct_harness.report.study_numbers import breaks, crossing, curve, heat, sensitivity, summary
-from dct_harness.sampling import Factor, points
-from dct_harness.sweep_store import read_rows
+from dct_harness.sweep.sampling import Factor, points
+from dct_harness.sweep.store import read_rows
 from playwright.sync_api import Browser, sync_playwright
 
 KPI = "estimation.percentOfRms"

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 from closed_loop_runs import FMUS, ROOT
-from dct_harness import against, cli, mapping, skeleton
-from dct_harness.archive import described
+from dct_harness import cli
 from dct_harness.contract import plant as contract
+from dct_harness.fmu.archive import described
+from dct_harness.supplier import against, mapping, skeleton
 
 EXAMPLE = ROOT / "examples/supplier_plant"
 FILES = {"antrieb": "Antrieb.fmu", "powertrain": "Powertrain.fmu"}

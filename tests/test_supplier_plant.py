@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, ROOT, SYSTEMS, rms
-from dct_harness import cli, mapping, results
-from dct_harness.fmu import Fmu
-from dct_harness.mapped import Mapped
+from dct_harness import cli, results
+from dct_harness.fmu.fmu import Fmu
+from dct_harness.supplier import mapping
+from dct_harness.supplier.mapped import Mapped
 
 EXAMPLE = ROOT / "examples/supplier_plant"
 PLANTS = {"antrieb": "Antrieb.fmu", "powertrain": "Powertrain.fmu"}

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 from dct_harness.errors import ConfigError
-from dct_harness.study_cases import Job
-from dct_harness.sweep_bundle import BLOBS, Bundle
-from dct_harness.sweep_dask import HERE, RUN, SCRATCH, cluster
-from dct_harness.sweep_workers import Setup, run_one
+from dct_harness.sweep.bundle import BLOBS, Bundle
+from dct_harness.sweep.cases import Job
+from dct_harness.sweep.on_dask import HERE, RUN, SCRATCH, cluster
+from dct_harness.sweep.workers import Setup, run_one
 from distributed import LocalCluster
 from harness_fixture.lag_fmu import harness, write_system
 
@@ -112,7 +112,7 @@ def test_a_file_travels_by_its_content_once_whatever_its_name(tmp_path: Path) ->
 def test_an_address_without_a_scheduler_is_a_sentence(
     tmp_path: Path, lag_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dct_harness.sweep_dask.GRACE", "1 s")
+    monkeypatch.setattr("dct_harness.sweep.on_dask.GRACE", "1 s")
     setup = Setup(("run", write_system(tmp_path)), tmp_path)
     files = [tmp_path / "s.toml"]
     started = time.monotonic()

@@ -1,4 +1,4 @@
-"""Command line `dct-harness`: the verbs, each in a module of its own, and the exit codes."""
+"""Command line `dct-harness`: the verbs, each a module of `verbs`, and the exit codes."""
 
 from __future__ import annotations
 
@@ -6,26 +6,25 @@ import argparse
 import os
 import sys
 
-from . import (
-    check_verb,
-    compare_verb,
-    completion_verb,
-    convert_verb,
-    doctor_verb,
-    export_container_verb,
-    export_ssp_verb,
-    identify_verb,
-    map_verb,
-    report_verb,
-    run_verb,
-    sweep_verb,
-)
 from .errors import ConfigError, HarnessError, InterruptedRunError
-from .suggesting import Parser
+from .verbs import (
+    check,
+    compare,
+    completion,
+    convert,
+    doctor,
+    export_container,
+    export_ssp,
+    identify,
+    report,
+    run,
+    sweep,
+)
+from .verbs import map as map_verb
+from .verbs.suggesting import Parser
 
-VERBS = (run_verb, check_verb, map_verb, report_verb, compare_verb, convert_verb, identify_verb,
-         sweep_verb, export_ssp_verb, export_container_verb, doctor_verb,
-         completion_verb)  # fmt: skip
+VERBS = (run, check, map_verb, report, compare, convert, identify, sweep, export_ssp,
+         export_container, doctor, completion)  # fmt: skip
 CLOSED_PIPE = 141  # as a shell reports SIGPIPE
 EXIT_CODES = """exit codes:
   0 pass, 1 KPI or regression fails, 2 usage or configuration, 3 FMU invalid,

@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ..archive import parsed
+from ..fmu.archive import parsed
 from ..units import Unit, declared
 
 

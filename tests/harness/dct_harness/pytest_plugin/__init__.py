@@ -15,7 +15,7 @@ import pytest
 from . import artefacts
 
 if TYPE_CHECKING:
-    from ..stepper import Stepper
+    from ..master.stepper import Stepper
     from .loops import Loop
 
 REPORTS = pytest.StashKey[dict[str, Any]]()
@@ -82,7 +82,7 @@ def fmu_dir(pytestconfig: pytest.Config) -> Path:
 
 
 def _stepper(pytestconfig: pytest.Config, name: str) -> Iterator[Stepper]:
-    from ..stepper import Stepper
+    from ..master.stepper import Stepper
 
     value = setting(pytestconfig, f"dct_{name}").relative_to(pytestconfig.rootpath)
     path = setting(pytestconfig, "dct_fmu_dir") / value

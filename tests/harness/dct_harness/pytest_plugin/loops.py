@@ -12,9 +12,9 @@ import numpy as np
 
 from .. import cli, results
 from ..compare import Tolerance, Tolerances, compare
-from ..compare_verb import table
 from ..errors import ConfigError
 from ..results import Results
+from ..verbs.compare import table
 
 PATHS = {"plant": "--plant", "scenario": "--scenario"}  # overrides that are files
 

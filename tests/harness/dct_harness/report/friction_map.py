@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..calibration import CLUTCHES, MAP, NOMINAL, POINTS, force_map, places
 from ..kpi.estimation import OBSERVER
 from ..kpi.side_by_side import others
+from ..ssp.calibration import CLUTCHES, MAP, NOMINAL, POINTS, force_map, places
 from .downsample import pack
 from .runs import View
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import ConfigError
 from ..kpi import registry
 from ..kpi.registry import Kpi
-from ..sweep_store import GOOD, PLAN, course_file, read_rows
+from ..sweep.store import GOOD, PLAN, course_file, read_rows
 
 Json = dict[str, Any]
 POOLED = ("noise seed",)  # axes whose runs are shown together

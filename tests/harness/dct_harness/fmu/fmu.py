@@ -1,0 +1,357 @@
+"""One FMI 2.0 co-simulation FMU with preallocated buffers for set, step and get."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any, NoReturn
+
+import fmpy
+import numpy as np
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
+from ..errors import FmuInvalidError, FmuRuntimeError, PlatformError
+from . import values as single
+from .archive import described, unpack
+from .discard import finish
+from .loader import explain, missing_bytes
+from .ports import GROUPS, Ports
+from .slopes import continuous, followed
+from .values import group_of
+
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+DISCARD = 2
+LAST_TIME = 2  # fmi2LastSuccessfulTime
+LAST_MESSAGES = 5
+
+
+class Fmu(Ports):
+    """A loaded instance; `close` frees everything and may be called at any point."""
+
+    def __init__(self, name: str, path: Path) -> None:
+        self.name, self.path = name, path
+        self.log: list[dict[str, Any]] = []
+        self.wall_time = 0.0
+        self.now = 0.0
+        self._slave: Any = None
+        self._slopes: np.ndarray | None = None
+        self._steer: Any = None  # how to set input derivatives
+        self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
+        self._instantiated = False
+        self._stepping = self._discards = False
+        self._directory = unpack(path)
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self) -> None:
+        self.describe(described(self.path))
+        identifier = self.description.coSimulation.modelIdentifier
+        if fmpy.platform not in fmpy.supported_platforms(self._directory):
+            raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}")
+        self._slave = self._load(identifier)
+
+    @property
+    def library(self) -> Path:
+        """Shared library of this platform, unpacked."""
+        name = self.description.coSimulation.modelIdentifier + fmpy.sharedLibraryExtension
+        return self._directory / "binaries" / fmpy.platform / name
+
+    def _load(self, identifier: str) -> Any:
+        """Load the library; fmpy changes the working directory meanwhile."""
+        cut = missing_bytes(self.library) if self.library.is_file() else 0
+        if cut:
+            raise FmuInvalidError(f"{self.path}: the library is cut short by {cut} bytes")
+        here = Path.cwd()
+        try:
+            return fmi2.FMU2Slave(
+                guid=self.description.guid, unzipDirectory=str(self._directory),
+                modelIdentifier=identifier, instanceName=self.name,
+            )  # fmt: skip
+        except Exception as error:
+            why = explain(self.library, str(error)) if self.library.is_file() else str(error)
+            raise FmuInvalidError(f"{self.path}: the library does not load: {why}") from error
+        finally:
+            os.chdir(here)
+
+    def identity(self) -> dict[str, str]:
+        """Return what `run.json` records of the FMU."""
+        digest = hashlib.sha256(self.path.read_bytes()).hexdigest()
+        return {
+            "path": str(self.path), "modelName": self.description.modelName,
+            "guid": self.description.guid, "sha256": digest,
+            "generationTool": self.description.generationTool or "",
+        }  # fmt: skip
+
+    def initialize(self, stop: float, values: dict[str, Any]) -> None:
+        """Instantiate, set parameters and start values, enter initialisation mode.
+
+        Our FMUs tell why they refuse a call, what they warn of, and their events; of others, which
+        may tell of every call, only what they say unasked is heard.
+        """
+        self._call("fmi2Instantiate", lambda: self._slave.instantiate(
+            callbacks=self._callbacks(), loggingOn=self.is_ours))  # fmt: skip
+        self._instantiated = True
+        for name, value in values.items():
+            self._set_start(name, value)
+        self._call("fmi2SetupExperiment", lambda: self._slave.setupExperiment(stopTime=stop))
+        self._call("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
+
+    def exit_initialization(self) -> None:
+        """Leave initialisation mode; from here on `step` is legal."""
+        self._call("fmi2ExitInitializationMode", self._slave.exitInitializationMode)
+        self._stepping = True
+
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Return value and unit of every parameter, after initialisation."""
+        found: dict[str, dict[str, Any]] = {}
+        variables = self.description.modelVariables
+        self._call("fmi2Get (parameters)",
+                   lambda: found.update(single.parameters(self._slave, variables)))  # fmt: skip
+        return found
+
+    def _set_start(self, name: str, value: Any) -> None:
+        value = self.check_start(name, value)
+        variable = self.variables[name]
+        setter = getattr(self._slave, f"set{group_of(variable)}")
+        reference = [variable.valueReference]
+        self._call(f"fmi2Set{group_of(variable)} ({name})", lambda: setter(reference, [value]))
+
+    def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """Attach the float buffers that `set_inputs` reads and `get_outputs` writes.
+
+        `inputs` has shape (len(self.inputs),), `outputs` shape (len(self.outputs),); both
+        must be contiguous and stay alive.
+        """
+        self._component = ctypes.c_void_p(self._slave.component)
+        self._buffers = inputs, outputs
+        self._setters = self._transfers("Set", self.inputs, inputs)
+        self._getters = self._transfers("Get", self.outputs, outputs)
+        self._t, self._h = ctypes.c_double(), ctypes.c_double()
+        function = self._slave.dll["fmi2DoStep"]
+        self._do_step = partial(function, self._component, self._t, self._h, ctypes.c_int(1))
+
+    def bind_slopes(self, slopes: np.ndarray) -> None:
+        """Attach the time derivatives of the inputs, shape (len(self.inputs),).
+
+        Steps then set them with the inputs; those of integers and the like are left out.
+        """
+        self._slopes = slopes
+        self._followed = [k for k, v in enumerate(self.inputs) if followed(v)]
+        self._attach_slopes([self.inputs[k].valueReference for k in self._followed])
+
+    def _attach_slopes(self, references: list[int]) -> None:
+        vrs, ones = np.array(references, dtype=np.uint32), np.ones(len(references), np.int32)
+        values = np.zeros(len(references))
+        self._alive += [vrs, ones]
+        call = partial(
+            self._slave.dll["fmi2SetRealInputDerivatives"], self._component,
+            ctypes.c_void_p(vrs.ctypes.data), ctypes.c_size_t(len(vrs)),
+            ctypes.c_void_p(ones.ctypes.data), ctypes.c_void_p(values.ctypes.data),
+        )  # fmt: skip
+        self._steer = (call, values) if references else None
+
+    def _set_slopes(self) -> None:
+        """Set the input derivatives, if there are any."""
+        if self._steer is None or self._slopes is None:
+            return
+        call, values = self._steer
+        self._slopes.take(self._followed, out=values)
+        status = call()
+        if status > 1:
+            self._fail("fmi2SetRealInputDerivatives", status)
+
+    def advance_inputs(self, h: float) -> None:
+        """Bring the input buffer `h` [s] on, along the slopes: for the next part of a step."""
+        if self._slopes is not None:
+            self._buffers[0][:] += self._slopes * h
+
+    @contextmanager
+    def inputs_kept(self) -> Iterator[None]:
+        """Give the input buffer its values back at the end."""
+        given = self._buffers[0].copy()
+        try:
+            yield
+        finally:
+            self._buffers[0][:] = given
+
+    def get_slopes(self) -> np.ndarray:
+        """Return the time derivatives of the outputs; 0 of those that have none."""
+        chosen = [k for k, v in enumerate(self.outputs) if continuous(v)]
+        references = [self.outputs[k].valueReference for k in chosen]
+        found = np.zeros(len(self.outputs))
+        if chosen:
+            found[chosen] = self._output_slopes(references)
+        return found
+
+    def _output_slopes(self, references: list[int]) -> Any:
+        count = len(references)
+        values = (ctypes.c_double * count)()
+        status = self._slave.dll["fmi2GetRealOutputDerivatives"](
+            self._component, (ctypes.c_uint * count)(*references), ctypes.c_size_t(count),
+            (ctypes.c_int * count)(*([1] * count)), values,
+        )  # fmt: skip
+        if status > 1:
+            self._fail("fmi2GetRealOutputDerivatives", status)
+        return values
+
+    def _transfers(
+        self, verb: str, variables: list[Any], values: np.ndarray
+    ) -> list[tuple[Any, ...]]:
+        """Return per type: the call, the narrow buffer it uses or None, the float view.
+
+        Arguments are made once, as the C types they have; ctypes then converts nothing per call.
+        """
+        transfers, first = [], 0
+        for group in GROUPS:
+            members = [v for v in variables if group_of(v) == group]
+            view = values[first : first + len(members)]
+            first += len(members)
+            if not members:
+                continue
+            narrow = None if group == "Real" else np.zeros(len(members), dtype=np.int32)
+            target = view if narrow is None else narrow
+            references = np.array([v.valueReference for v in members], dtype=np.uint32)
+            self._alive.append(references)
+            call = partial(
+                self._slave.dll[f"fmi2{verb}{group}"], self._component,
+                ctypes.c_void_p(references.ctypes.data), ctypes.c_size_t(len(members)),
+                ctypes.c_void_p(target.ctypes.data),
+            )  # fmt: skip
+            transfers.append((call, narrow, view))
+        return transfers
+
+    def set_inputs(self) -> None:
+        """Write the bound input buffer to the FMU."""
+        for call, narrow, view in self._setters:
+            if narrow is not None:
+                narrow[:] = view
+            status = call()
+            if status > 1:
+                self._fail(call.func.__name__, status)
+
+    def get_outputs(self) -> None:
+        """Read the FMU's outputs into the bound output buffer."""
+        for call, narrow, view in self._getters:
+            status = call()
+            if status > 1:
+                self._fail(call.func.__name__, status)
+            if narrow is not None:
+                view[:] = narrow
+
+    def step(self, t: float, h: float) -> None:
+        """Advance from `t` to `t + h` [s] with the bound buffers."""
+        self.now = t
+        started = time.perf_counter()
+        self._step(t, h)
+        self.wall_time += time.perf_counter() - started
+
+    def _step(self, t: float, h: float) -> None:
+        if self.attempt(t, h) == DISCARD:
+            finish(self, t, h)
+
+    def attempt(self, t: float, h: float) -> int:
+        """Set inputs, step, get outputs; returns fmi2Discard of a step that did not succeed."""
+        self.set_inputs()
+        self._set_slopes()
+        self._t.value, self._h.value = t, h
+        status = self._do_step()
+        if status == DISCARD:
+            return status
+        if status > 1:
+            self._fail("fmi2DoStep", status)
+        self.get_outputs()
+        return 0
+
+    def reached(self) -> float | None:
+        """Return fmi2LastSuccessfulTime [s] after a discarded step; None if it is not told."""
+        value = ctypes.c_double()
+        function = self._slave.dll["fmi2GetRealStatus"]
+        status = function(self._component, ctypes.c_int(LAST_TIME), ctypes.byref(value))
+        return value.value if status <= 1 else None
+
+    def _call(self, function: str, action: Any) -> None:
+        try:
+            action()
+        except FMICallException as error:
+            raise self._error(function, _returned(error.status)) from error
+        except Exception as error:
+            raise self._error(function, str(error)) from error
+
+    def _fail(self, function: str, status: int) -> None:
+        self._stepping = False
+        raise self._error(function, _returned(status))
+
+    def note_discard(self, t: float) -> None:
+        """Tell in the log, once, that steps had to be divided."""
+        if not self._discards:
+            what = f"fmi2DoStep at t = {t!r} s returned fmi2Discard; this step was divided"
+            self.log.append({"component": self.name, "time": t, "status": "Warning",
+                             "category": "harness", "message": what})  # fmt: skip
+        self._discards = True
+
+    def give_up(self, why: str) -> NoReturn:
+        """Raise the error of a discarded step."""
+        self._stepping = False
+        raise self._error("fmi2DoStep", f"returned fmi2Discard: {why}")
+
+    def _error(self, function: str, what: str) -> FmuRuntimeError:
+        said = "".join(f"\n  {m['category']}: {m['message']}" for m in self.log[-LAST_MESSAGES:])
+        return FmuRuntimeError(f"{self.name}: {function} at t = {self.now!r} s {what}{said}")
+
+    def _callbacks(self) -> Any:
+        def logger(_env: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+            self.log.append({
+                "component": self.name, "time": self.now, "status": STATUS[status],
+                "category": (category or b"").decode("utf-8", "replace"),
+                "message": _plain((message or b"").decode("utf-8", "replace")),
+            })  # fmt: skip
+
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger)
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        self._kept = callbacks
+        return callbacks
+
+    def close(self) -> None:
+        """Terminate, free, unload, remove the temporary directory; never raises."""
+        slave, self._slave = self._slave, None
+        try:
+            if slave is not None:
+                _release(slave, self._instantiated, self._stepping)
+        finally:
+            self.remove_directory()
+
+    def remove_directory(self) -> None:
+        """Remove the unpacked archive only."""
+        shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def _returned(status: int) -> str:
+    word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+    return f"returned fmi2{word}"
+
+
+def _plain(message: str) -> str:
+    """Return a message without the doubling of the characters that a C importer would format."""
+    return message.replace("%%", "%").replace("##", "#")
+
+
+def _release(slave: Any, instantiated: bool, stepping: bool) -> None:
+    """Terminate (only after a healthy step), free and unload one instance."""
+    if stepping:
+        slave.dll["fmi2Terminate"](ctypes.c_void_p(slave.component))
+    if instantiated:
+        slave.dll["fmi2FreeInstance"](ctypes.c_void_p(slave.component))
+    fmpy.freeLibrary(slave.dll._handle)

@@ -1,0 +1,1 @@
+"""The closed loop: connect, start, step, record, in Python or by the compiled master."""

@@ -1,0 +1,271 @@
+"""`run --engine native`: the compiled master `cosim_native` steps the loop, to the same bits.
+
+Python still loads the FMUs, connects them and writes what `run.json` says of them; the compiled
+master gets the finished plan, and fills all rows at once. It makes instances of its own,
+and their messages stand for those of Python's. FMUs that this project did not build, and with them
+the loop, run in another process. Ctrl-C and a time limit end either at a communication point.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ..errors import (
+    ConfigError,
+    FmuInvalidError,
+    FmuRuntimeError,
+    HarnessError,
+    InterruptedRunError,
+    RunTimeoutError,
+)
+from ..fmu.fmu import STATUS
+from ..fmu.isolated import Isolated
+from ..fmu.slopes import continuous, followed
+from ..fmu.values import start_value
+from ..supplier.links import Link
+from ..supplier.mapped import Mapped, their_value
+from .master import Run
+
+REMEDY = "run it with --engine fmpy"
+ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": ConfigError,
+          "ended": InterruptedRunError}  # fmt: skip
+NEWEST = "Fmus"  # what cosim_native has had only since its interface is the present one
+PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
+STEPS, END = "steps", "end"  # files: how far the other process is, and that it is to end
+BEAT = 0.05  # s between two looks at the other process
+GRACE = 1.0  # s; a call into an FMU that takes longer than this past the end hangs
+Said = Sequence[tuple[str, list[tuple[float, int, str, str]]]]  # time [s], status, category, text
+Ended = Callable[[int], bool]  # of the steps so far, whether the loop is to end
+Made = tuple[np.ndarray, HarnessError | None, Said]
+
+
+class NativeRun(Run):
+    """As `Run`; its loop is compiled."""
+
+    _said: Said = ()
+    _unpacked = ""  # the folder of the instances' files
+
+    def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
+        """As `Run.execute`; the log is that of the instances that ran."""
+        try:
+            super().execute(progress)
+        finally:
+            for name, messages in self._said:
+                self.fmus[name].log[:] = [_message(name, *said) for said in messages]
+
+    def _loop(self, progress: Callable[[int, int], None] | None) -> None:
+        """Make all rows; those before a failure are kept."""
+        plan = json.dumps(self._plan())
+        inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
+        foreign = any(isinstance(fmu, Isolated) for fmu in inner)
+        last = len(self.times) - 1
+
+        def ended(steps: int) -> bool:
+            if progress is not None:
+                progress(steps, last)
+            return self.abort is not None
+
+        if foreign:
+            rows, error, self._said = self._apart(plan, ended)
+        else:
+            with TemporaryDirectory(prefix="dct-harness-") as self._unpacked:
+                work = (plan, self.times, self.script, self._unpacked)
+                rows, error, self._said = made(*work, ended, out=[self._samples])
+        self.rows = rows
+        if isinstance(error, InterruptedRunError) and self.abort is not None:
+            raise self._stopped(self.abort, float(self.times[len(rows) - 1]))
+        if error is not None:
+            raise error
+        if progress is not None:
+            progress(last, last)
+
+    def remove_directories(self) -> None:
+        """As `Run.remove_directories`."""
+        super().remove_directories()
+        if self._unpacked:
+            shutil.rmtree(self._unpacked, ignore_errors=True)
+
+    def _plan(self) -> dict[str, Any]:
+        """Return the loop as `cosim_master::Plan` in JSON."""
+        return {
+            "components": [self._component(name) for name in self.fmus],
+            "coupling": self.system.coupling,
+            "interpolate": self.system.interpolate,
+            "script": [n.removeprefix("scenario.") for n in self.names[: self.script.shape[1]]],
+        }
+
+    def _component(self, name: str) -> dict[str, Any]:
+        fmu, component = self.fmus[name], self.system.components[name]
+        given = dict(their_value(fmu, n, v) for n, v in component.parameters.items())
+        own = fmu.inner.variables if isinstance(fmu, Mapped) else fmu.variables
+        start = [[n, start_value(name, own[n], v)] for n, v in given.items()]
+        mapped = {"mapped": _mapped(fmu)} if isinstance(fmu, Mapped) else {}
+        return {
+            "name": name, "fmu": str(fmu.path), "start": start, "substeps": component.substeps,
+            "inputs": self._inputs(name, [v.name for v in fmu.inputs]), **mapped,
+        }  # fmt: skip
+
+    def _inputs(self, name: str, inputs: list[str]) -> list[dict[str, Any]]:
+        """Return the inputs of a component, with the initial values that Python has settled."""
+        settled = self._members[list(self.fmus).index(name)].values
+        told = [self._input(f"{name}.{n}", n) for n in inputs]
+        if np.all(np.isfinite(settled)):
+            told = [{**t, "initial": float(x)} for t, x in zip(told, settled, strict=True)]
+        return told
+
+    def _input(self, target: str, name: str) -> dict[str, Any]:
+        change = self.transforms.get(target)
+        line = {"line": [change.factor, change.offset]} if change else {}
+        table = {"table": list(change.table.items())} if change and change.table else {}
+        column = self.noise.reads(self.sources[target])
+        noise = {"noise": column} if column else {}
+        return {"name": name, "source": self.sources[target], **line, **table, **noise}
+
+    def _apart(self, plan: str, ended: Ended) -> Made:
+        """Make the rows in another process, with the limits of foreign FMUs."""
+        with TemporaryDirectory(prefix="dct-harness-") as name:
+            folder = Path(name)
+            (folder / PLAN).write_text(plan, encoding="utf-8")
+            np.savez(folder / INPUT, times=self.times, script=self.script)
+            command = [sys.executable, "-m", __name__, name, str(int(self.limits.memory))]
+            inside = {**os.environ, "TMPDIR": name}  # what a crash leaves goes with the folder
+            null = subprocess.DEVNULL
+            with subprocess.Popen(command, env=inside, stdout=null, stderr=null) as process:
+                try:
+                    code = self._awaited(process, folder, ended)
+                finally:
+                    process.kill()
+            if code or not (folder / OUTPUT).is_file():
+                raise FmuRuntimeError(
+                    f"the process of the native loop ended with {_ending(code)}; "
+                    f"{REMEDY} to see in which FMU and call"
+                )
+            return _read(folder / OUTPUT)
+
+    def _awaited(self, process: subprocess.Popen[bytes], folder: Path, ended: Ended) -> int:
+        """Return the exit code of the other process, which ends early when it is told to."""
+        seconds = self.limits.seconds
+        limit = time.monotonic() + seconds
+        while True:
+            try:
+                return process.wait(BEAT)
+            except subprocess.TimeoutExpired:
+                now = time.monotonic()
+            if ended(_steps(folder)) and not (folder / END).exists():
+                (folder / END).touch()
+                limit = min(limit, now + GRACE)
+            if now > limit:
+                if self.abort is not None:
+                    raise type(self.abort)(f"an FMU does not return: {self.abort}")
+                raise RunTimeoutError(
+                    f"the native loop took longer than {seconds:g} s (--call-timeout)"
+                )
+
+
+def _mapped(fmu: Mapped) -> dict[str, Any]:
+    """Return what stands between our names and the supplier's as `cosim_master::plan::Mapped`."""
+    return {
+        "file": str(fmu.file),
+        "inputs": [_link(k, followed(k.ours)) for k in fmu.into],
+        "outputs": [_link(k, continuous(k.ours)) for k in fmu.out],
+        "sums": [{"ours": e.name, "terms": e.terms, "moves": continuous(v)}
+                 for e, v in fmu.sums],
+    }  # fmt: skip
+
+
+def _link(link: Link, moves: bool) -> dict[str, Any]:
+    return {"ours": link.ours.name, "theirs": link.theirs.name, "gain": link.gain,
+            "shift": link.shift, "table": link.table, "moves": moves}  # fmt: skip
+
+
+def _message(component: str, time: float, status: int, category: str, text: str) -> dict[str, Any]:
+    """Return a message as `Fmu.log` has it."""
+    word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+    return {"component": component, "time": time, "status": word, "category": category,
+            "message": text}  # fmt: skip
+
+
+def _ending(code: int) -> str:
+    return f"signal {-code}" if code < 0 else f"exit code {code}"
+
+
+def _read(path: Path) -> Made:
+    with np.load(path) as told:
+        kind, text = (str(part) for part in told["error"])
+        return told["rows"], ERRORS[kind](text) if kind else None, json.loads(str(told["log"]))
+
+
+def made(
+    plan: str, times: np.ndarray, script: np.ndarray, folder: str | Path, ended: Ended,
+    out: list[np.ndarray] | None = None,
+) -> Made:  # fmt: skip
+    """Return the rows of one loop, shape (samples, signals), why they are not all there, the log.
+
+    FMUs are unpacked below `folder`. `ended` is asked from time to time, with the number of steps
+    so far; the rows lie in `out`.
+
+    Raises
+    ------
+    ConfigError
+        The module `cosim_native` is not installed, or was built for another version.
+    """
+    try:
+        native = importlib.import_module("cosim_native")
+    except ImportError as missing:
+        raise ConfigError(
+            "--engine native needs the module cosim_native: `cargo xtask native` builds it"
+        ) from missing
+    if not hasattr(native, NEWEST):
+        raise ConfigError(
+            "the module cosim_native is of another version: `cargo xtask native` builds it anew"
+        )
+    work = ([plan], times, np.ascontiguousarray(script))
+    fmus = native.Fmus(folder)
+    _, rows, error, log = native.run(*work, out=out, fmus=fmus, watch=ended)[0]
+    return rows, ERRORS[error[0]](error[1]) if error else None, log
+
+
+def _told(folder: Path, steps: int) -> bool:
+    """Tell the other process how far this one is; returns whether it is to end."""
+    (folder / STEPS).write_text(str(steps), encoding="utf-8")
+    return (folder / END).exists()
+
+
+def _steps(folder: Path) -> int:
+    """Return how far the other process is."""
+    try:
+        return int((folder / STEPS).read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):  # not yet, or it is just being written
+        return 0
+
+
+def main(folder: Path, memory: int) -> None:
+    """Make the rows of a plan in this process, after limiting its memory [MiB]."""
+    from ..fmu.host import limit
+
+    limit(memory * (1 << 20))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends it to both processes
+    plan = (folder / PLAN).read_text("utf-8")
+    with np.load(folder / INPUT) as given:
+        work = (plan, given["times"], given["script"], folder)
+        rows, error, log = made(*work, lambda steps: _told(folder, steps))
+    kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
+    told = np.array([kind, str(error or "")])
+    np.savez(folder / OUTPUT, rows=rows, error=told, log=np.array(json.dumps(log)))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), int(sys.argv[2]))

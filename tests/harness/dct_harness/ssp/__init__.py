@@ -1,0 +1,1 @@
+"""Systems as SSP archives, and parameter sets (.ssv)."""

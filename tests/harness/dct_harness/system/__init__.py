@@ -1,0 +1,1 @@
+"""What a system file says: components, scenario, connections, limits, and where each stands."""

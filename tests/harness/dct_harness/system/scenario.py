@@ -1,0 +1,85 @@
+"""Scenario CSV: first column `time` [s], then one column per signal (SI units)."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import ConfigError, unreadable
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Signals over time: `time` has shape (n,), each signal too."""
+
+    time: np.ndarray
+    signals: dict[str, np.ndarray]
+    path: Path
+
+    def sample(self, name: str, times: np.ndarray, hold: bool) -> np.ndarray:
+        """Return a signal at `times` [s]: linear between rows, or held (integers, booleans).
+
+        Before the first and after the last row the end values hold.
+        """
+        values = self.signals[name]
+        if not hold:
+            return np.interp(times, self.time, values)
+        row = np.searchsorted(self.time, times, side="right") - 1
+        return values[np.clip(row, 0, len(values) - 1)]
+
+
+def load(path: Path | None) -> Scenario:
+    """Read a scenario; errors name file, line and column."""
+    if path is None:
+        return Scenario(np.zeros(1), {}, Path("no scenario"))
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = [(k, row) for k, row in enumerate(csv.reader(file), 1) if row]
+    except OSError as error:
+        raise ConfigError(unreadable(path, "scenario", error)) from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text") from error
+    if len(rows) < 2:
+        raise ConfigError(f"{path}: needs a header and at least one row")
+    names = [name.strip() for name in rows[0][1]]
+    _check_header(path, names)
+    table = np.array([_numbers(path, line, names, row) for line, row in rows[1:]])
+    _check_times(path, table[:, 0], [line for line, _ in rows[1:]])
+    signals = {name: table[:, k] for k, name in enumerate(names) if k > 0}
+    return Scenario(table[:, 0], signals, path)
+
+
+def _check_header(path: Path, names: list[str]) -> None:
+    if names[0] != "time":
+        raise ConfigError(f"{path}:1: the first column must be 'time', not '{names[0]}'")
+    for name in names:
+        if not name or names.count(name) > 1:
+            raise ConfigError(f"{path}:1: column name '{name}' is empty or used twice")
+
+
+def _numbers(path: Path, line: int, names: list[str], row: list[str]) -> list[float]:
+    if len(row) != len(names):
+        raise ConfigError(f"{path}:{line}: has {len(row)} cells, the header has {len(names)}")
+    return [_number(path, line, name, cell) for name, cell in zip(names, row, strict=True)]
+
+
+def _number(path: Path, line: int, name: str, cell: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ConfigError(f"{path}:{line}: column '{name}': '{cell}' is not a finite number")
+    return value
+
+
+def _check_times(path: Path, time: np.ndarray, lines: list[int]) -> None:
+    bad = np.flatnonzero(np.diff(time) <= 0)
+    if bad.size:
+        before, t = time[bad[0] : bad[0] + 2].tolist()
+        line = lines[int(bad[0]) + 1]
+        raise ConfigError(f"{path}:{line}: time {t!r} does not increase (before it: {before!r})")

@@ -1,0 +1,87 @@
+"""What the verbs of the command line share: their parsers, and types of arguments."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+from ..fmu.isolated import Limits
+
+Action = Callable[[argparse.Namespace], int]
+Verbs: TypeAlias = "argparse._SubParsersAction[Any]"
+
+
+def verb(
+    verbs: Verbs, name: str, action: Action, text: str, examples: str
+) -> argparse.ArgumentParser:
+    """Add a verb that calls `action`; `examples` are lines without `dct-harness` before them."""
+    lines = "".join(f"  dct-harness {line}\n" for line in examples.splitlines())
+    parser = verbs.add_parser(
+        name, help=text, description=f"{text[0].upper()}{text[1:]}.",
+        epilog=f"examples:\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    parser.set_defaults(action=action)
+    return parser
+
+
+def add_loudness(parser: argparse.ArgumentParser, told: str, verbose: str = "") -> None:
+    """Add --quiet and --json, which prints what is `told`; --verbose where there is more to say."""
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    if verbose:
+        group.add_argument("-v", "--verbose", action="store_true", help=verbose)
+    group.add_argument("--json", action="store_true", help=f"print {told} as JSON")
+
+
+def say(args: argparse.Namespace, text: str, data: Any) -> None:
+    """Print a text, or its data as one line of JSON, or nothing: what the command line chose."""
+    if args.json:
+        print(json.dumps(data, allow_nan=False))
+    elif not args.quiet:
+        print(text)
+
+
+def seconds(text: str) -> float:
+    """Read a time [s] greater than 0."""
+    return _checked(text, lambda value: value > 0, "a time greater than 0 s")
+
+
+def mebibytes(text: str) -> float:
+    """Read a size [MiB] greater than 0."""
+    return _checked(text, lambda value: value > 0, "a size greater than 0 MiB")
+
+
+def amount(text: str) -> float:
+    """Read a number of at least 0."""
+    return _checked(text, lambda value: value >= 0, "a number of at least 0")
+
+
+def _checked(text: str, is_good: Callable[[float], bool], what: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and is_good(value)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not {what}")
+    return value
+
+
+def add_limits(parser: argparse.ArgumentParser) -> None:
+    """Add what a foreign FMU may take."""
+    told = ("An FMU that this project did not build runs in a process of its own;\n"
+            "with --engine native the whole loop does, in one.")  # fmt: skip
+    group = parser.add_argument_group("foreign FMUs", told)
+    group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign",
+                       help="which FMUs get a process (foreign)")  # fmt: skip
+    group.add_argument("--call-timeout", type=seconds, default=Limits.seconds, metavar="SECONDS",
+                       help="longest time for a call, or for that loop (%(default)g)")  # fmt: skip
+    group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
+                       help="largest address space (%(default)g)")  # fmt: skip
+
+
+def limits(args: argparse.Namespace) -> Limits:
+    """Return the limits of the command line."""
+    return Limits(args.call_timeout, args.memory, args.isolate)

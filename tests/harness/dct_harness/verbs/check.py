@@ -1,0 +1,77 @@
+"""`dct-harness check`: is one FMU valid, does it load, what does it offer."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+from ..fmu.values import unit_of
+from ..kpi.table import aligned
+from ..supplier.against import Finding
+from .arguments import Verbs, add_loudness, say, verb
+
+BROKEN = 1  # contract
+INVALID = 3
+HEAD = ["causality", "type", "variable", "unit"]
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    parser = verb(verbs, "check", check, "validate and load one FMU",
+                  "check target/fmu/DctPlant.fmu\n"
+                  "check Supplier.fmu --against plant --map supplier.toml")  # fmt: skip
+    parser.add_argument("fmu", type=Path, help="the FMU")
+    parser.add_argument("--against", choices=["plant"], help="hold it to the contract of a plant")
+    parser.add_argument("--map", type=Path, help="mapping file (.toml) of that plant's names")
+    add_loudness(parser, "problems and variables, or the lines of the contract")
+
+
+def check(args: argparse.Namespace) -> int:
+    """Print the faults of an FMU and what it offers; returns 3 when it is invalid.
+
+    With --against: 1 when it breaks the contract.
+    """
+    if args.against:
+        return _against(args)
+    from fmpy.validation import validate_fmu
+
+    from ..fmu.isolated import load
+
+    fmu = load("check", args.fmu)
+    fmu.close()
+    problems = validate_fmu(str(args.fmu))
+    for text in problems:
+        print(text, file=sys.stderr)
+    offered = [{"causality": v.causality, "type": v.type, "name": v.name, "unit": unit_of(v)}
+               for v in (*fmu.inputs, *fmu.outputs)]  # fmt: skip
+    rows = [[v["causality"], v["type"], v["name"], v["unit"]] for v in offered]
+    say(args, aligned(HEAD, rows, lambda _: False), {"problems": problems, "variables": offered})
+    return INVALID if problems else 0
+
+
+def _against(args: argparse.Namespace) -> int:
+    """Print the contract of a plant; returns 1 when the plant breaks it."""
+    from ..fmu.archive import described
+    from ..fmu.isolated import load
+    from ..supplier import against, mapping, sanity
+    from ..supplier.mapped import Mapped
+
+    description = described(args.fmu)
+    names = mapping.load(args.map) if args.map else against.identity(description, args.fmu)
+    found = against.findings(description, names, same_names=args.map is None)
+    parts = [_table(["variable", "the FMU's", "contract"], found)]
+    if not any(f.fault for f in found):
+        signs = sanity.signs(lambda: Mapped(load("plant", args.fmu), names))
+        parts.append(_table(["sign", "signal", "manoeuvre"], signs))
+        found += signs
+    faults = sum(f.fault for f in found)
+    verdict = f"{faults} faults" if faults else "a plant that the observer can use"
+    say(args, "\n\n".join([*parts, f"verdict: {verdict}"]),
+        {"faults": faults, "lines": [asdict(f) for f in found]})  # fmt: skip
+    return BROKEN if faults else 0
+
+
+def _table(head: list[str], found: list[Finding]) -> str:
+    return aligned(head, [[f.name, f.theirs or "-", f.verdict] for f in found], lambda _: False)

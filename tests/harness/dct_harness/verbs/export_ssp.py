@@ -1,0 +1,33 @@
+"""`dct-harness export-ssp`: a system with everything it needs as one SSP 1.0 file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..ssp.export import Export
+from . import selection
+from .arguments import Verbs, add_loudness, say, verb
+
+EXAMPLES = """export-ssp examples/closed_loop/paper_case1.toml --out target/paper_case1.ssp
+export-ssp loop.toml --plant Antrieb.fmu --map antrieb.toml
+run target/paper_case1.ssp"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    text = "write a system, its FMUs, values and scenario as one .ssp"
+    parser = verb(verbs, "export-ssp", export, text, EXAMPLES)
+    selection.add_options(parser)
+    parser.add_argument("--out", type=Path, help="file to write (target/NAME.ssp)")
+    add_loudness(parser, "file and components")
+
+
+def export(args: argparse.Namespace) -> int:
+    """Write the file and say where it is."""
+    with selection.opened(args) as (model, paths, names, _):
+        out = args.out or Path("target") / f"{model.name}.ssp"
+        Export(model, paths, names).write(out)
+    say(args, f"{out}: {len(paths)} components, runs with `dct-harness run {out}`",
+        {"file": str(out), "components": list(paths)})  # fmt: skip
+    return 0

@@ -1,0 +1,93 @@
+"""`dct-harness identify`: stiffness and damping of the drive shaft from measurements, (17)-(18)."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from .. import measured, shaft
+from ..errors import ConfigError, did_you_mean
+from .arguments import Verbs, add_loudness, amount, say, seconds, verb
+
+EXAMPLES = """identify launch.csv
+identify drive.mf4 --map names.toml --ratio 11.52 --start 12.5
+identify target/results/paper_case1 --json"""
+MAP_HELP = "TOML: [[signals]] with from, to and unit, as for `convert`"
+RATIO_HELP = "total ratio from the clutch speed to the wheel (%(default)s)"
+NAME_HELP = "signal, also behind a component's name (%(default)s)"
+LENGTH_HELP = "from the built-up torque on (%(default)s): short, the twist integrates offsets"
+TORQUE_HELP = "|T_o| [N·m] from which rows count (%(default)s): past the backlash"
+NAMES = {"clutch_speed": "clutch2.speed", "wheel_speed": "wheel.speed",
+         "torque": "driveShaft.torque"}  # fmt: skip
+REMARKS = {
+    "paper": "(18) as printed: noise draws c towards 0",
+    "prefilter": f"(18) behind a low-pass of {shaft.estimates.CUTOFF:g} Hz: less so",
+    "iv": "instrumental variables: not drawn by white noise",
+}
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    text = "find stiffness and damping of the drive shaft in measurements of a launch"
+    parser = verb(verbs, "identify", identify, text, EXAMPLES)
+    parser.add_argument("source", type=Path, help="result directory or file (.csv, .parquet, .mf4)")
+    parser.add_argument("--map", type=Path, metavar="FILE", help=MAP_HELP)
+    option = parser.add_argument
+    option("--ratio", type=_positive, default=shaft.TABLE_1.ratios[1], metavar="G", help=RATIO_HELP)
+    for key, name in NAMES.items():
+        option(f"--{key.replace('_', '-')}", default=name, metavar="NAME", help=NAME_HELP)
+    window = shaft.Window()
+    option(
+        "--start", type=float, default=window.start, metavar="T", help="not before this time [s]"
+    )
+    option("--length", type=seconds, default=window.length, metavar="SECONDS", help=LENGTH_HELP)
+    option("--built-up", type=amount, default=window.built_up, metavar="TORQUE", help=TORQUE_HELP)
+    add_loudness(parser, "what each method finds")
+
+
+def _positive(text: str) -> float:
+    value = amount(text)
+    if value == 0:
+        raise argparse.ArgumentTypeError("a ratio is above 0")
+    return value
+
+
+def identify(args: argparse.Namespace) -> int:
+    """Print what each method finds; returns 0."""
+    channels = measured.read(args.source)
+    if args.map:
+        channels = measured.Mapping.load(args.map).apply(channels)
+    chosen = [_channel(channels, getattr(args, option), args.source) for option in NAMES]
+    rows = measured.common(chosen, None, None, None).rows
+    rate = rows[:, 1] / args.ratio - rows[:, 2]
+    window = shaft.Window(args.built_up, args.length, args.start)
+    fits = [shaft.identify(rows[:, 0], rate, rows[:, 3], window, m) for m in shaft.METHODS]
+    say(args, table(fits), [asdict(fit) for fit in fits])
+    return 0
+
+
+def _channel(channels: list[measured.Channel], name: str, source: Path) -> measured.Channel:
+    """Return the channel of a name, alone or as `plant.<name>`, `<component>.<name>`."""
+    named = {c.name: c for c in channels}
+    behind = [n for n in named if n.endswith(f".{name}") and n.count(".") == name.count(".") + 1]
+    for candidate in (name, f"plant.{name}", *(behind if len(behind) == 1 else ())):
+        if candidate in named:
+            return named[candidate]
+    raise ConfigError(f"{source}: no signal '{name}'.{did_you_mean(name, named)}")
+
+
+def table(fits: list[shaft.Fit]) -> str:
+    """Return the fits as people read them."""
+    head = fits[0]
+    lines = [f"{head.samples} rows, t = {head.start:g} s to {head.end:g} s", ""]
+    columns = f"{'method':10} {'k_o [N·m/rad]':>18} {'c_o [N·m·s/rad]':>18} {'R²':>9}"
+    lines.append(columns)
+    for fit in fits:
+        k, c = (f"{e.value:.5g} ± {e.error:.2g}" for e in (fit.stiffness, fit.damping))
+        lines.append(f"{fit.method:10} {k:>18} {c:>18} {fit.r_squared:9.5f}  {REMARKS[fit.method]}")
+    if not np.isfinite([fit.r_squared for fit in fits]).all():
+        raise ConfigError("the torque does not vary within the window: nothing to find")
+    return "\n".join(lines)

@@ -1,0 +1,210 @@
+"""`dct-harness run`: one closed loop, its result directory, its KPIs and the exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from .. import formats, kpi, results
+from ..errors import HarnessError
+from ..master import check_step, watch
+from ..master.master import Run
+from ..master.native import NativeRun
+from ..ssp import calibration
+from . import junit, progress, selection
+from .arguments import Verbs, add_limits, add_loudness, amount, limits, seconds, verb
+from .environment import environment
+
+KPI_FAILS = 1
+DETAILS = ("phase/", "state/", "event/")  # scopes that --verbose shows
+KPIS_JSON = "kpis.json"
+ENGINES = {"fmpy": Run, "native": NativeRun}
+FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
+EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
+run examples/closed_loop/torque_tracking_case1.toml --set control.feedback.enabled=false
+run examples/closed_loop/paper_case1.toml --plant target/fmu/DctPlant.fmu --timeout 60
+run examples/closed_loop/paper_case1.toml --engine native
+run examples/closed_loop/calibration_case1.toml --calibration earlier/calibration.ssv
+run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the command line."""
+    parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES)
+    selection.add_options(parser)
+    parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
+    parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
+    finer = "repeat at half the step; exit 1 when an output changes by more"
+    parser.add_argument("--check-step", type=amount, metavar="PERCENT", help=finer)
+    engine = "fmpy, or native: the compiled master, the same numbers in a fraction of the time"
+    parser.add_argument("--engine", choices=tuple(ENGINES), default="fmpy", help=engine)
+    add_limits(parser)
+    parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")
+    parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
+    parser.add_argument("--junit", type=Path, metavar="FILE", help="limits as JUnit XML")
+    add_loudness(parser, "run.json and the KPIs", "also KPIs per phase, FMU messages")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run a system file; returns 1 when a KPI misses its limit.
+
+    Raises
+    ------
+    HarnessError
+        The run did not reach its end; the samples until then are written.
+    """
+    loop, out = _prepare(args)
+    try:
+        return _run(loop, out, args)
+    finally:
+        if loop.package is not None:
+            loop.package.folder.cleanup()
+
+
+def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
+    """Run, judge, write and print."""
+    failure = _execute(loop, out, args)
+    record = save(loop, out, failure, args.format)
+    kpis = None if failure else _judge(loop, record, out)
+    _say(args, out, record, kpis)
+    if args.junit:
+        junit.write(args.junit, loop.system.name, _cases(record, kpis))
+    if args.report and record["samples"]:
+        _report(out, loop.system.title, args)
+    if failure:
+        raise failure
+    if args.check_step is not None and not check_step.check(loop, out, args):
+        return KPI_FAILS
+    return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
+
+
+def judged(args: argparse.Namespace, keep: bool) -> tuple[results.Results, dict[str, Any]]:
+    """Return signals and KPIs of a run; only one that fails, or is to `keep`, is written.
+
+    Raises
+    ------
+    HarnessError
+        The run did not reach its end.
+    """
+    loop, out = _prepare(args)
+    try:
+        failure = _execute(loop, out, args)
+        if failure is not None or keep:
+            record = save(loop, out, failure, args.format)
+        if failure is not None:
+            raise failure
+        if keep:
+            return results.from_table(*loop.table(), record, out), _judge(loop, record, out)
+        told = results.from_table(*loop.table(), loop.summary(None), out)
+        return told, kpi.compute(told, told.run, whole=True)
+    finally:
+        if loop.package is not None:
+            loop.package.folder.cleanup()
+
+
+def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
+    """Return the run that the command line asks for, and its result directory."""
+    formats.require(Path(f"results.{args.format}"))
+    model, paths, names, package = selection.choose(args)
+    loop = ENGINES[args.engine](model, paths, names, limits(args))
+    loop.package = package
+    out = args.out or Path("target/results") / model.name
+    results.check_writable(out)
+    return loop, out
+
+
+def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | None:
+    """Run to the end; returns the error that prevented it."""
+
+    def hang(error: HarnessError) -> None:
+        save(loop, out, error, args.format)
+        print(f"dct-harness: {error}", file=sys.stderr, flush=True)
+        loop.remove_directories()
+
+    quiet = args.quiet or args.json
+    try:
+        with (
+            watch.interruptible(loop), watch.time_limit(loop, args.timeout, hang),
+            progress.choose(quiet) as shown,
+        ):  # fmt: skip
+            loop.execute(shown.update)
+    except HarnessError as error:
+        return error
+    return None
+
+
+def save(loop: Run, out: Path, failure: HarnessError | None, suffix: str = "csv") -> dict[str, Any]:
+    """Write the samples so far and `run.json`; returns the content of the latter.
+
+    A run that failed before its first sample writes nothing.
+    """
+    record = {**loop.summary(failure), "environment": environment()}
+    if len(loop.rows):
+        (out / KPIS_JSON).unlink(missing_ok=True)
+        results.write(out, *loop.table(), record, f".{suffix}")
+    return record
+
+
+def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
+    """Compute the KPIs and write them, and what an observer has learnt."""
+    told = results.from_table(*loop.table(), record, out)
+    calibration.save(out, told)
+    kpis = kpi.compute(told, record)
+    results.write_text(out / KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
+    return kpis
+
+
+def _cases(record: dict[str, Any], kpis: dict[str, Any] | None) -> list[junit.Case]:
+    """Return a case for the run itself and one per limit."""
+    cases = [junit.Case("run", "reaches its end", record["error"])]
+    for judged in kpis["limits"] if kpis else ():
+        cells = kpi.table.limit_cells([judged])[0]
+        what = " ".join(cells[:3])
+        missed = None if judged["pass"] else f"{what}: {cells[3]}, limit {cells[4]}"
+        cases.append(junit.Case("limits", what, missed))
+    return cases
+
+
+def _report(out: Path, title: str, args: argparse.Namespace) -> None:
+    """Write the report of this run beside its results."""
+    from .. import report
+
+    page = report.write([out], out / "report", title)
+    if not (args.quiet or args.json):
+        print(f"report: {page}")
+
+
+def _say(
+    args: argparse.Namespace, out: Path, record: dict[str, Any], kpis: dict[str, Any] | None
+) -> None:
+    """Print what the chosen loudness shows; errors are printed by the caller."""
+    if args.verbose:
+        _say_coupling(record["coupling"])
+        for m in record["log"]:
+            text = f"{m['time']:.6g} s {m['component']} [{m['category']}] {m['message']}"
+            print(text, file=sys.stderr)
+    if args.json:
+        print(json.dumps({"out": str(out), "run": record, "kpis": kpis}))
+    elif not args.quiet:
+        if kpis:
+            print(kpi.format_table(kpis if args.verbose else _whole(kpis)) + "\n")
+        if record["samples"]:
+            print(f"{out}: {record['samples']} samples to t = {record['reached']:g} s")
+
+
+def _say_coupling(coupling: dict[str, Any]) -> None:
+    """Name what the coupling costs: signals one step late, and algebraic loops."""
+    print(f"coupling: {coupling['order']}", file=sys.stderr)
+    for wire in coupling["delayed"]:
+        print(f"  one step late: {wire['from']} -> {wire['to']}", file=sys.stderr)
+    for loop in coupling["loops"]:
+        print(f"  algebraic loop: {', '.join(loop)}", file=sys.stderr)
+
+
+def _whole(kpis: dict[str, Any]) -> dict[str, Any]:
+    """Return the KPIs without those of single phases and clutch states."""
+    rows = [r for r in kpis["rows"] if not r["scope"].startswith(DETAILS)]
+    return {**kpis, "rows": rows}
