@@ -158,6 +158,21 @@ def test_feedback_quarters_the_tracking_error(
     assert closed <= TRACKING_RATIO * opened
 
 
+def test_readme_and_docs_tell_what_feedback_buys(runs: Runs, repo_root: Path) -> None:
+    def words(name: str) -> str:
+        return " ".join((repo_root / name).read_text(encoding="utf-8").split())
+
+    errors = [[_tracking_error(_tracking(runs, case, feedback), ("clutch1", "clutch2"))
+               for feedback in (True, False)] for case in TRACKING_CASES + FADE_CASES]  # fmt: skip
+    (a, b), (c, d) = errors[:2]
+    assert (f"with {a:.1f} N·m RMS error while slipping instead of {b:.1f} N·m in case 1, and "
+            f"{c:.1f} N·m instead of {d:.1f} N·m in case 2") in words("README.md")  # fmt: skip
+    shares = [f"{100 * closed / opened:.0f}" for closed, opened in errors]
+    said = "{} % (case 1) and {} % (case 2) of that without feedback, with friction that fades " \
+           "during the shift to {} and {} %".format(*shares)  # fmt: skip
+    assert said in words("docs/pages/explanation.md")
+
+
 @pytest.mark.parametrize("case", TRACKING_CASES + FADE_CASES)
 @pytest.mark.parametrize("clutch", ["clutch1", "clutch2"])
 def test_friction_is_learnt_but_never_in_an_engaged_clutch(

@@ -9,9 +9,9 @@ pub(crate) const OBSERVER: About = About {
          that friction while a clutch slips; `DctClutchControl` uses it to close the loop.",
         "Five methods, chosen by `observer.method`: **paper**, the adaptive observer as printed; **lyapunov**, the \
          same with weights that carry its proof; **energy**, with the physical energy as Lyapunov function; \
-         **kalman**, a filter with the torques as random walks; **calibrating**, which also learns errors of engine \
-         torque, engine inertia, wheel speed and drive shaft while driving. Beside them `mapBased.*` gives what one \
-         would know without an observer.",
+         **kalman**, a filter in which a slipping clutch moves with its force and an engaged one with the damper; \
+         **calibrating**, the same filter, which also learns errors of engine torque, inertias, drive shaft, wheel \
+         speed and clutch maps while driving. Beside them `mapBased.*` gives what one would know without an observer.",
         "Give it the nominal friction and your vehicle's parameters, and connect the plant's outputs of equal names. \
          `status.valid` tells whether the estimates may be used; the log says why not. The numbers of the equations \
          are those of the paper \"Control-oriented modeling and torque estimations for vehicle driveline with \

@@ -17,9 +17,9 @@ pub enum Method {
     Lyapunov = 2,
     /// Physical energy as Lyapunov function, on the three measured speeds.
     Energy = 3,
-    /// Kalman filter with torques as random walks.
+    /// Kalman filter: a slipping clutch moves with its force, an engaged one with the damper.
     Kalman = 4,
-    /// Kalman filter that learns errors of torque, inertia, wheel speed and drive shaft.
+    /// Kalman filter that learns errors of engine torque, inertias, drive shaft and wheel speed.
     Calibrating = 5,
 }
 

@@ -78,12 +78,12 @@ static OBSERVER_METHOD: Enumeration = Enumeration {
         Item {
             name: "kalman",
             value: Method::Kalman as i32,
-            description: "Kalman filter with torques as random walks; needs no load method",
+            description: "Kalman filter on friction of slipping clutches and twist of engaged ones; needs no load method",
         },
         Item {
             name: "calibrating",
             value: Method::Calibrating as i32,
-            description: "Kalman filter that learns errors of torque, inertia, wheel speed and shaft",
+            description: "Kalman filter that learns errors of engine torque, inertias, drive shaft and wheel speed",
         },
     ],
 };
