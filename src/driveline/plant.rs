@@ -251,24 +251,35 @@ impl Plant {
             }
             let systems = &propagators.systems;
             let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
-            let (crossing, event) = if block.is_quiet(p, rows, self) && self.meshes == Meshes::IDEAL
-            {
-                (Crossing::None, Event::default())
-            } else {
-                block.events(p, systems, self)
-            };
+            let (mut crossing, mut event) =
+                if block.is_quiet(p, rows, self) && self.meshes == Meshes::IDEAL {
+                    (Crossing::None, Event::default())
+                } else {
+                    block.events(p, systems, self)
+                };
             if crossing != Crossing::None && level > 0 && events < MAX_EVENTS {
                 cap = level - 1;
                 continue;
             }
+            let (h, strained) = (propagators.h, self.is_strained(p).then_some(*self));
             self.accept(p, &propagators.systems, rung, &block);
+            if let Some(was) = strained
+                && events < MAX_EVENTS
+                && self.may_leave(p, ladders, &block, &rate)
+            {
+                if level > 0 {
+                    (*self, cap) = (was, level - 1);
+                    continue;
+                }
+                (crossing, event.mesh) = (Crossing::Found, true);
+            }
             (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
             if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
                 for i in (0..2).filter(|i| event.opened[*i]) {
                     (now.force[i], rate.force[i]) = (0.0, 0.0);
                 }
                 let before = self.all_modes();
-                let after = propagators.h * f64::from(done) / f64::from(TICKS);
+                let after = h * f64::from(done) / f64::from(TICKS);
                 self.change_modes(p, ladders, (&now, &rate), &event, &block);
                 report(after, before, self.all_modes());
                 (piece, events) = (done, events + 1);

@@ -180,7 +180,7 @@ impl Block {
         let (modes, brake) = (plant.modes, plant.brake);
         let mut start = self.guards(p, systems, plant, 0.0);
         let mut end = self.guards(p, systems, plant, self.t);
-        if plant.meshes == Meshes::JAMMED && plant.is_tied(p) {
+        if plant.is_strained(p) {
             share_guards(&mut start, &mut end);
         }
         for i in [0, 1, 2] {

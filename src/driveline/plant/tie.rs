@@ -5,12 +5,17 @@
 //! so the torques are not determined and the tie holds longer: it stands while no motion is consistent. Torques
 //! are shown as without loss, or, where one clutch could not carry that, with what it can and the rest on the other.
 //!
-//! Such a tie is left where both clutches together are beyond what sticks, which is located; whether anything else may
-//! move is asked at the start of each step. Derivatives of the torques by inputs are those without loss.
+//! Such a tie is left where both clutches together are beyond what sticks, a guard, or where other modes become
+//! consistent. No guard tells that, so it is asked at the end of each block, and of shorter ones until the instant is
+//! found to a tick. What could move only between the ends of a block, for less than a step, stays. Derivatives of the
+//! torques by inputs are those without loss.
 
 use crate::Params;
+use crate::integrate::Ladders;
 use crate::matrices::{D, Systems, slip};
 use crate::plant::Plant;
+use crate::plant::block::Block;
+use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Event, GUARD_TOLERANCE, Guard, Mode, ZERO_SLIP, project, stuck_set};
 use crate::plant::ports::{Input, InputRate};
 
@@ -32,6 +37,26 @@ impl Plant {
     /// Whether both clutches are engaged in jammed gears of two ratios.
     pub(crate) fn is_tied(&self, p: &Params) -> bool {
         self.modes == [Mode::Stuck; 2] && self.coupling().ties(p)
+    }
+
+    /// Whether the plant stands tied in gears that lose power, its torques not determined.
+    pub(crate) fn is_strained(&self, p: &Params) -> bool {
+        self.meshes == Meshes::JAMMED && self.is_tied(p)
+    }
+
+    /// Whether a plant that is strained need not be any more at the end of a block: other modes are consistent.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn may_leave(
+        &self,
+        p: &Params,
+        ladders: &mut impl Ladders,
+        block: &Block,
+        rate: &InputRate,
+    ) -> bool {
+        let mut left = *self;
+        left.resolve_rigid(p, ladders, &block.input_end, rate, &Event::default());
+        !left.is_strained(p)
     }
 
     /// Whether the plant might stand tied at an instant at which its output stands.
