@@ -234,9 +234,12 @@ SMALL_CASES = (
         **{"scenario_file": "break_away", "params": {"curves": (FALLING, None)}},
         about="friction falls with slip: break-away and re-lock",
     ),
-    Case(
-        *("last_step", BREAK_AWAY, 1.0004, 240.0, 4.0),
-        **{"h": 3e-3, "row_every": 3e-3, "scenario_file": "break_away"},
-        about="held 3 ms, the last step is 1.4 ms",
+    *(
+        Case(
+            *(name, BREAK_AWAY, 1.0004, 240.0, 4.0),
+            **{"h": 3e-3, "row_every": 3e-3, "scenario_file": "break_away", "rigid": rigid},
+            about=f"held 3 ms, the last step is 1.4 ms{', rigid plant' * rigid}",
+        )
+        for name, rigid in (("last_step", False), ("last_step_rigid", True))
     ),
 )

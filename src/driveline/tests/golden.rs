@@ -179,7 +179,7 @@ held! {
     paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
     slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold gearbox reverse gears_rigid gearbox_losses reverse_losses upshift_losses hill_losses losses_rigid hill_rigid_losses launch_both launch_h10 launch_h1 launch_h01 last_step
     break_away_rigid overrun_rigid coast_grade_rigid hill_start_rigid hill_hold_rigid launch_both_rigid
-    launch_rigid_h10 launch_rigid_h1 launch_rigid_h01
+    launch_rigid_h10 launch_rigid_h1 launch_rigid_h01 last_step_rigid
     fade_h10 fade_h1 fade_h01 fade_rigid hot_h10 hot_h1 hot_h01 stribeck
 }
 
