@@ -12,9 +12,9 @@ the clutches, filter of the jerk), 248 move, book and lose, 18 check for numbers
 allows 1,078.
 
 The worst step of the compliant plant, one with events, is a time and stands at its limit: runs on
-an idle machine gave 0.8 (the first 3 s of the drive) and 1.00 (all 30). Two more miss their limits:
+an idle machine gave 0.8 (the first 3 s of the drive) and 1.00 (all 30). One more misses its limit:
 p99.9 over p50 is 1.75, in ticks of a clock of 10 ns: 80 ns for most steps, 140 ns for those below
-walking pace, where the load needs a tanh; a start with known parameters takes 0.31 us.
+walking pace, where the load needs a tanh.
 """
 
 from __future__ import annotations

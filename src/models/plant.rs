@@ -145,14 +145,6 @@ impl Plant {
         self.p.road.r_w * self.state.x[W]
     }
 
-    /// Gets hold of the propagators of the usual step, and of room for others.
-    fn find_propagators(&mut self) {
-        let coupling = self.state.coupling();
-        self.propagation
-            .of(&self.p, coupling, Self::EXPERIMENT.step);
-        self.propagation.make_room();
-    }
-
     /// Puts the speeds of the outputs where rows point that read them from the state.
     fn show_speeds(&mut self) {
         let (x, y) = (&mut self.state.x, &self.y);
@@ -239,6 +231,14 @@ impl Plant {
     }
 }
 
+/// Refuses parameters that do not fit together.
+fn check_parameters(p: &Params) -> Result<(), Failure> {
+    check_maps(p)?;
+    lining::check_curves(p)?;
+    thermal::check_thermal(p)?;
+    tie::check_ties(p)
+}
+
 impl Model for Plant {
     const NAME: &'static str = "DctPlant";
     const DESCRIPTION: &'static str =
@@ -255,17 +255,18 @@ impl Model for Plant {
     };
 
     fn initialize(&mut self, time: f64, log: &mut Log<'_>) -> Result<(), Failure> {
-        self.consistent()?;
+        let (gears, step) = (self.gear.into(), Self::EXPERIMENT.step);
+        self.propagation
+            .begin(&mut self.p, check_parameters, gears, step)?;
         self.tell_neutral(self.gear, time, log);
         self.refused = self.gear;
         self.pressed = Pressed::NOWHERE;
         let input = self.input();
         let (omega_e, v) = (self.engine_speed_start, self.vehicle_speed_start);
-        let step = Self::EXPERIMENT.step;
-        self.propagation.begin(&mut self.p);
-        let free = self.propagation.of(&self.p, self.gear.into(), step);
+        let free = self.propagation.of(&self.p, gears, step);
         self.state = driveline::Plant::start_with(&self.p, &free.systems, &input, omega_e, v);
-        self.find_propagators();
+        let coupling = self.state.coupling();
+        self.propagation.turn_to(&self.p, coupling, step);
         self.jerk_filter = JerkFilter::at(v);
         self.read_outputs(&input);
         self.check_finite(self.state.size(), time)
@@ -310,10 +311,7 @@ impl Model for Plant {
     }
 
     fn consistent(&self) -> Result<(), Failure> {
-        check_maps(&self.p)?;
-        lining::check_curves(&self.p)?;
-        thermal::check_thermal(&self.p)?;
-        tie::check_ties(&self.p)
+        check_parameters(&self.p)
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
@@ -351,8 +349,11 @@ impl Model for Plant {
 
     fn restored(&mut self) {
         self.pressed = Pressed::NOWHERE;
-        self.propagation.begin(&mut self.p);
-        self.find_propagators();
+        let (coupling, step) = (self.state.coupling(), Self::EXPERIMENT.step);
+        // It fails where a run has not begun yet: its parameters do not fit together, but may still be changed.
+        let _ = self
+            .propagation
+            .begin(&mut self.p, check_parameters, coupling, step);
     }
 }
 

@@ -36,9 +36,8 @@ impl<M: Model> Library<M> {
         count: usize,
         values: *const f64,
     ) -> Status {
-        let enter = || self.instances.enter_first(component.addr());
         // SAFETY: the importer's promise.
-        if unsafe { Self::set_plainly(enter, references, count, values) } {
+        if unsafe { self.set_plainly(component, references, count, values) } {
             return Status::Ok;
         }
         // SAFETY: the importer's promise.
@@ -69,13 +68,14 @@ impl<M: Model> Library<M> {
     }
 
     #[inline(always)]
-    unsafe fn set_plainly<'a>(
-        enter: impl FnOnce() -> Option<Entered<'a, Component<M>>>,
+    unsafe fn set_plainly(
+        &self,
+        component: *mut c_void,
         references: *const u32,
         count: usize,
         values: *const f64,
     ) -> bool {
-        Self::plainly(enter(), |instance| {
+        Self::plainly(self.instances.enter_first(component.addr()), |instance| {
             if count.wrapping_sub(1) >= real::most::<M>() || !usable(references, values) {
                 return false;
             }
@@ -125,13 +125,18 @@ impl<M: Model> Library<M> {
         values: *const f64,
         library: &Self,
     ) -> Status {
-        let enter = || library.instances.enter(component.addr());
-        // SAFETY: the importer's promise.
-        if unsafe { Self::set_plainly(enter, references, count, values) } {
-            return Status::Ok;
-        }
-        // SAFETY: the importer's promise.
-        unsafe { library.set::<f64, f64>(component, references, count, values, |value| value) }
+        library.enter(component, Call::SetReal, |instance, _| {
+            plausible::<M>(count)?;
+            // SAFETY: the importer's promise.
+            let references = unsafe { slice("vr", references, count)? };
+            // SAFETY: the importer's promise.
+            let values = unsafe { slice("value", values, count)? };
+            let few = (1..=real::most::<M>()).contains(&count);
+            if few && instance.set_plainly(references, values) {
+                return Ok(());
+            }
+            instance.set(references, values.iter().copied())
+        })
     }
 
     /// `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`: what is plain at once.
@@ -175,7 +180,7 @@ impl<M: Model> Library<M> {
         })
     }
 
-    /// `fmi2SetReal`, `fmi2SetInteger` and, with `A` an int, `fmi2SetBoolean`.
+    /// `fmi2SetInteger` and, with `A` an int, `fmi2SetBoolean`.
     #[inline(never)]
     pub unsafe fn set<T: Value, A: Copy>(
         &self,

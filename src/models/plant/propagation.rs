@@ -1,13 +1,14 @@
 //! Propagators kept between steps: derived from parameters, coupling and step, so no part of the state.
 
 use super::Plant;
+use super::sets::Check;
 use super::shared::Shared;
 use super::shelf::User;
 use dct_driveline::Params;
 use dct_driveline::coupling::Coupling;
 use dct_driveline::integrate::{Ladders, Propagators};
 use dct_driveline::matrices::Systems;
-use fmi2_cosim::Model;
+use fmi2_cosim::{Failure, Model};
 use std::sync::Arc;
 
 /// How many combinations of coupling and step are kept.
@@ -51,15 +52,37 @@ impl Clone for Propagation {
 }
 
 impl Propagation {
-    /// Forgets what was kept: the parameters may have changed. They are shared from now on.
-    pub(super) fn begin(&mut self, p: &mut Shared) {
+    /// Forgets what was kept, as the parameters may have changed, and finds what a run begins with. The parameters are
+    /// shared from now on.
+    ///
+    /// # Errors
+    /// When the parameters do not pass the check.
+    pub(super) fn begin(
+        &mut self,
+        p: &mut Shared,
+        check: Check,
+        coupling: Coupling,
+        step: f64,
+    ) -> Result<(), Failure> {
         (self.kept, self.latest) = (Default::default(), 0);
-        p.share(self.user.get_or_insert_with(User::new));
+        self.kept[0] = Some(User::begin(
+            &mut self.user,
+            p.held(),
+            check,
+            coupling,
+            step,
+        )?);
+        Ok(())
     }
 
-    /// Sees that steps of other sizes than those kept allocate nothing.
-    pub(super) fn make_room(&mut self) {
-        self.user.get_or_insert_with(User::new).make_room();
+    /// Turns to the propagators of this coupling and this step [s] before a run, and sees that other steps than
+    /// those kept allocate nothing.
+    pub(super) fn turn_to(&mut self, p: &Params, coupling: Coupling, step: f64) {
+        let latest = self.kept[self.latest % KEPT].as_ref();
+        if !latest.is_some_and(|kept| kept.fits(coupling, step)) {
+            self.of(p, coupling, step);
+            self.user.get_or_insert_with(User::new).make_room();
+        }
     }
 
     /// The propagators of this coupling and this step [s].

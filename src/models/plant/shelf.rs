@@ -6,10 +6,11 @@
 //! used, or room for a step size that is new in the middle of a run, which may not allocate. With the
 //! last plant that uses it the shelf is emptied.
 
-use super::sets::Sets;
+use super::sets::{Check, Set, Sets, TABLE_1};
 use dct_driveline::Params;
 use dct_driveline::coupling::Coupling;
 use dct_driveline::integrate::Propagators;
+use fmi2_cosim::Failure;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Propagators that nobody uses: those of four step sizes that a plant takes in turn.
@@ -37,28 +38,32 @@ struct Shelf {
 struct Entry {
     /// What the propagators were built for, friction and road aside.
     p: Params,
+    /// A set of parameters with this driveline: the last one that was found to have it.
+    set: Option<Set>,
     propagators: Arc<Propagators>,
     /// Time of the last use on the shelf's clock; 0: not built yet.
     used: u64,
 }
 
 /// Keeps the shelf filled as long as it lives.
-pub(super) struct User(());
+pub(super) struct User {
+    /// Where its parameters came from when its run began; their driveline is still the same.
+    set: Option<Set>,
+}
 
 impl User {
     /// Joins the users of the shelf and sees that there is room for new step sizes.
     pub(super) fn new() -> Self {
         let mut shelf = lock();
-        shelf.users += 1;
         shelf.make_room();
-        Self(())
+        shelf.joined()
     }
 }
 
 impl Clone for User {
     fn clone(&self) -> Self {
         lock().users += 1;
-        Self(())
+        Self { set: self.set }
     }
 }
 
@@ -73,34 +78,34 @@ impl Drop for User {
 }
 
 impl User {
+    /// For the start of a run: makes parameters those of another plant, if they are equal; finds propagators for a
+    /// step `h` [s]; sees that there is room for others. All that with the shelf in hand once.
+    ///
+    /// # Errors
+    /// When the parameters do not pass the check.
+    pub(super) fn begin(
+        user: &mut Option<Self>,
+        mut own: Option<&mut Arc<Params>>,
+        check: Check,
+        coupling: Coupling,
+        h: f64,
+    ) -> Result<Arc<Propagators>, Failure> {
+        let mut shelf = lock();
+        let user = user.get_or_insert_with(|| shelf.joined());
+        user.set = None;
+        user.set = Some(shelf.sets.share(own.as_deref_mut(), check)?);
+        let p = own.map_or(&TABLE_1, |own| &**own);
+        let found = shelf.find(user.set, p, coupling, h);
+        shelf.make_room();
+        Ok(found)
+    }
+
     /// The propagators of a driveline for a step `h` [s].
     ///
     /// Allocates when more than four step sizes or couplings came up in the middle of runs and stay in use.
     #[cold]
     pub(super) fn find(&self, p: &Params, coupling: Coupling, h: f64) -> Arc<Propagators> {
-        let mut shelf = lock();
-        shelf.clock += 1;
-        let now = shelf.clock;
-        let fits =
-            |entry: &&mut Entry| entry.propagators.fits(coupling, h) && same_driveline(&entry.p, p);
-        if let Some(entry) = shelf.entries.iter_mut().find(fits) {
-            entry.used = now;
-            return Arc::clone(&entry.propagators);
-        }
-        let idle = |entry: &&mut Entry| Arc::strong_count(&entry.propagators) == 1;
-        let oldest = shelf.entries.iter_mut().filter(idle);
-        if let Some(entry) = oldest.min_by_key(|entry| entry.used) {
-            return entry.built(p, coupling, h, now);
-        }
-        let mut entry = Entry::new();
-        let found = entry.built(p, coupling, h, now);
-        shelf.entries.push(entry);
-        found
-    }
-
-    /// Makes parameters those of another plant, if they are equal; not for the middle of a run: it allocates.
-    pub(super) fn share(&self, own: Option<&mut Arc<Params>>) {
-        lock().sets.share(own);
+        lock().find(self.set, p, coupling, h)
     }
 
     /// Sees again that there is room for new step sizes; not for the middle of a run: it allocates.
@@ -110,6 +115,38 @@ impl User {
 }
 
 impl Shelf {
+    fn joined(&mut self) -> User {
+        self.users += 1;
+        User { set: None }
+    }
+
+    fn find(
+        &mut self,
+        set: Option<Set>,
+        p: &Params,
+        coupling: Coupling,
+        h: f64,
+    ) -> Arc<Propagators> {
+        self.clock += 1;
+        let now = self.clock;
+        let fits = |entry: &&mut Entry| entry.propagators.fits(coupling, h) && entry.is_of(set, p);
+        if let Some(entry) = self.entries.iter_mut().find(fits) {
+            (entry.set, entry.used) = (set.or(entry.set), now);
+            return Arc::clone(&entry.propagators);
+        }
+        let idle = |entry: &&mut Entry| Arc::strong_count(&entry.propagators) == 1;
+        let oldest = self.entries.iter_mut().filter(idle);
+        if let Some(entry) = oldest.min_by_key(|entry| entry.used) {
+            (entry.set, entry.used) = (set, now);
+            return entry.built(p, coupling, h);
+        }
+        let mut entry = Entry::new();
+        (entry.set, entry.used) = (set, now);
+        let found = entry.built(p, coupling, h);
+        self.entries.push(entry);
+        found
+    }
+
     fn make_room(&mut self) {
         self.entries
             .reserve(ROOM.saturating_sub(self.entries.len()));
@@ -125,14 +162,20 @@ impl Entry {
     fn new() -> Self {
         Self {
             p: driveline(&Params::TABLE_1),
+            set: None,
             propagators: Arc::new(Propagators::EMPTY),
             used: 0,
         }
     }
 
+    /// Whether they are those of a driveline; equal numbers save the comparison.
+    fn is_of(&self, set: Option<Set>, p: &Params) -> bool {
+        set.is_some() && set == self.set || same_driveline(&self.p, p)
+    }
+
     /// Turns idle propagators into others.
-    fn built(&mut self, p: &Params, coupling: Coupling, h: f64, now: u64) -> Arc<Propagators> {
-        (self.p, self.used) = (driveline(p), now);
+    fn built(&mut self, p: &Params, coupling: Coupling, h: f64) -> Arc<Propagators> {
+        self.p = driveline(p);
         if let Some(propagators) = Arc::get_mut(&mut self.propagators) {
             propagators.rebuild(&self.p, coupling, h);
         }
@@ -140,9 +183,9 @@ impl Entry {
     }
 }
 
-/// A copy of parameters that nobody else has.
-pub(super) fn fresh(p: &Params) -> Arc<Params> {
-    lock().sets.fresh(p)
+/// Some parameters that nobody else has.
+pub(super) fn spare() -> Arc<Params> {
+    lock().sets.spare()
 }
 
 /// The parameters that propagators depend on; friction and road are the same in all.
@@ -244,5 +287,32 @@ mod tests {
         assert!(!lock().entries.is_empty());
         drop(two);
         assert!(lock().entries.is_empty());
+    }
+
+    #[test]
+    fn runs_begin_with_the_propagators_of_their_driveline_whatever_parameters_came_between() {
+        let _guard = alone();
+        let gears = Coupling::from([1, 2]);
+        let runs = [
+            (0.2, 5e3),
+            (0.2, 5e3),
+            (0.3, 5e3),
+            (0.2, 5e3),
+            (0.2, 6e3),
+            (0.3, 5e3),
+        ];
+        let runs = runs.map(|(mu_k, k_o)| {
+            let (mut user, mut p) = (None, Params::TABLE_1);
+            (p.clutch[0].mu_k, p.k_o) = (mu_k, k_o);
+            let mut p = Arc::new(p);
+            let found = User::begin(&mut user, Some(&mut p), |_| Ok(()), gears, 1e-3).unwrap();
+            (k_o, found, user, p)
+        });
+        for (k_o, found, ..) in &runs {
+            assert!(found.fits(gears, 1e-3));
+            for (other, theirs, ..) in &runs {
+                assert_eq!(Arc::ptr_eq(found, theirs), k_o == other);
+            }
+        }
     }
 }
