@@ -58,6 +58,11 @@ impl Libraries {
         Self { open, folder }
     }
 
+    /// Where FMUs are unpacked.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The library of a file, opened when it is not yet.
     pub fn open(&mut self, path: &Path) -> Result<Arc<Library>, Error> {
         if let Some(known) = self.open.get(path) {

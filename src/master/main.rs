@@ -26,8 +26,7 @@ struct Words {
 enum Verb {
     /// Run a closed loop and write its results as CSV.
     ///
-    /// The numbers are those of `dct-harness run`, to the last bit; KPIs, reports and .ssp files
-    /// are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run --engine native`,
+    /// The numbers are those of `dct-harness run`, to the last bit; KPIs and reports are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run --engine native`,
     /// which puts others into a process of their own.
     #[command(verbatim_doc_comment)]
     #[command(after_help = RUN_EXAMPLES)]
@@ -41,6 +40,7 @@ Examples:
   cosim run examples/closed_loop/paper_case1.toml --step 0.01 --stop 10 --interpolate
   cosim run examples/closed_loop/paper_case1.toml --record plant.vehicle.speed
   cosim run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml
+  cosim run paper_case1.ssp --scenario other.csv --set plant.vehicle.mass=1600
   cosim run examples/closed_loop/paper_case1.toml --timeout 60
 
 Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed, 5 timeout,
@@ -52,7 +52,7 @@ const REMEDY: &str = "; another --step may get past this time, else who made the
 
 #[derive(Args)]
 struct RunWords {
-    /// System file (.toml).
+    /// System file (.toml or .ssp).
     system: PathBuf,
     /// Communication step [s].
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
@@ -161,10 +161,11 @@ fn assignment(text: &str) -> Result<(String, String, Value), String> {
 
 /// Returns what to tell when all went well.
 fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
-    let mut system = System::load(&words.system)?;
+    let mut libraries = Libraries::below(ending.folder().to_owned());
+    let mut system = System::open(&words.system, &mut libraries)?;
     system.step = words.step.unwrap_or(system.step);
     system.stop = words.stop.unwrap_or(system.stop);
-    system.scenario = words.scenario.unwrap_or(system.scenario);
+    system.scenario = words.scenario.or(system.scenario);
     system.interpolate |= words.interpolate;
     words
         .plant
@@ -179,8 +180,15 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
         system.set(&component, &variable, value)?;
     }
     let times = system.times()?;
-    let record = (!words.record.is_empty()).then_some(words.record);
-    let outcome = outcome(&system, &words.fmu_dir, &times, record, ending)?;
+    let (scenario, free) = system.scenario()?;
+    if !free.is_empty() {
+        let free = free.join(", ");
+        eprintln!("the scenario has no column for {free}: start values");
+    }
+    let (mut plan, held) = system.plan(&words.fmu_dir, &scenario, &mut libraries)?;
+    plan.record = (!words.record.is_empty()).then_some(words.record);
+    let script = system.rows(&scenario, (&plan, &held), &times)?;
+    let outcome = made(plan, (&times, script), libraries, ending);
     if words.verbose {
         tell(&outcome.log);
     }
@@ -196,21 +204,6 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
             system.stop
         )),
     }
-}
-
-fn outcome(
-    system: &System,
-    folder: &Path,
-    times: &[f64],
-    record: Option<Vec<String>>,
-    ending: &Ending,
-) -> Result<Outcome, Error> {
-    let mut libraries = Libraries::below(ending.folder().to_owned());
-    let scenario = Scenario::load(&system.scenario)?;
-    let (mut plan, held) = system.plan(folder, &scenario, &mut libraries)?;
-    plan.record = record;
-    let script = system.rows(&scenario, (&plan, &held), times)?;
-    Ok(made(plan, (times, script), libraries, ending))
 }
 
 /// Makes a run in a thread of its own, which is left alone when an FMU does not return.

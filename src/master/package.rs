@@ -10,6 +10,7 @@ use fmi::traits::FmiImport;
 use std::fs::File;
 use std::io::{Read, copy};
 use std::path::Path;
+use tempfile::TempDir;
 use zip::ZipArchive;
 
 /// Its description, and where everything else is.
@@ -19,6 +20,8 @@ const BINARIES: &str = "binaries/";
 /// No description, and no FMU, that people exchange is larger [bytes].
 const LARGEST_TEXT: u64 = 256 << 20;
 const LARGEST: u64 = 2 << 30;
+/// No archive has more members.
+const MOST_MEMBERS: usize = 20_000;
 /// Members up to this size may be packed as small as they like [bytes].
 const SMALL: u64 = 16 << 20;
 /// How many times smaller others may be packed: libraries are about 3 times, zeros 1000 times.
@@ -58,12 +61,29 @@ pub fn open(path: &Path, below: &Path) -> Result<(Fmi2Import, String), Error> {
     Ok((import, xml))
 }
 
+/// Unpacks all of an archive into a new folder below another one.
+pub fn unpacked(path: &Path, below: &Path) -> Result<TempDir, fmi::Error> {
+    let mut archive = archive(path)?;
+    let folder = tempfile::Builder::new()
+        .prefix("cosim-")
+        .tempdir_in(below)?;
+    unpack(&mut archive, folder.path(), |_| true)?;
+    Ok(folder)
+}
+
 fn broken(what: String) -> fmi::Error {
     fmi::Error::ArchiveStructure(what)
 }
 
 fn archive(path: &Path) -> Result<ZipArchive<File>, fmi::Error> {
-    Ok(ZipArchive::new(File::open(path)?)?)
+    let archive = ZipArchive::new(File::open(path)?)?;
+    let count = archive.len();
+    if count > MOST_MEMBERS {
+        return Err(broken(format!(
+            "it has {count} members, more than {MOST_MEMBERS}"
+        )));
+    }
+    Ok(archive)
 }
 
 fn description(archive: &mut ZipArchive<File>) -> Result<String, fmi::Error> {

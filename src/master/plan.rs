@@ -149,6 +149,9 @@ pub struct Connection {
     pub factor: Option<f64>,
     /// As `factor`.
     pub offset: Option<f64>,
+    /// Pairs source, value that stand instead of the line; an .ssp has them.
+    #[serde(skip)]
+    pub table: Vec<(f64, f64)>,
 }
 
 impl Connection {

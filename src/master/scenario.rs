@@ -24,6 +24,16 @@ impl Scenario {
         Self::parse(path, &text)
     }
 
+    /// A scenario without signals.
+    pub fn none() -> Self {
+        Self {
+            path: "no scenario".into(),
+            time: vec![0.0],
+            names: vec![],
+            columns: vec![],
+        }
+    }
+
     /// Reads a scenario from text; `path` is for messages.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let mut scenario = Self::table(text).map_err(|(line, what)| Error::Content {

@@ -8,13 +8,11 @@ use crate::names::Name;
 use crate::noise::Noise;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
+use crate::ssp::{self, Package};
 use crate::suggest::did_you_mean;
 use crate::supplier::{Supplier, put};
+use crate::system_file::{File, Parameters, Part, Set};
 use crate::{ssv, wiring};
-use indexmap::IndexMap;
-use serde::Deserialize;
-use std::collections::BTreeMap;
-use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -27,71 +25,6 @@ const PLANT: &str = "plant";
 /// More communication points than this are a mistake.
 const MOST_STEPS: f64 = 1e8;
 
-/// A system file as it is written. Limits on KPIs are judged by `dct-harness`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    system: Head,
-    /// Judged by `dct-harness`.
-    #[serde(default, rename = "kpis")]
-    _kpis: Option<toml::Value>,
-    components: IndexMap<Name, Part>,
-    #[serde(default)]
-    connections: Vec<Connection>,
-    #[serde(default)]
-    noise: IndexMap<String, f64>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Head {
-    name: String,
-    #[serde(default, rename = "title")]
-    _title: Option<String>,
-    step: f64,
-    stop: f64,
-    scenario: PathBuf,
-    #[serde(default)]
-    coupling: Coupling,
-    #[serde(default)]
-    interpolate: bool,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Part {
-    fmu: PathBuf,
-    #[serde(default)]
-    parameters: Parameters,
-    #[serde(default = "one")]
-    substeps: NonZeroU32,
-}
-
-fn one() -> NonZeroU32 {
-    NonZeroU32::MIN
-}
-
-/// A table of values, the name of a parameter file, or a list of both.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Parameters {
-    One(Set),
-    Several(Vec<Set>),
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::Several(vec![])
-    }
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Set {
-    File(PathBuf),
-    Values(BTreeMap<String, Value>),
-}
-
 /// A system file that has been read.
 pub struct System {
     /// Name of the system.
@@ -100,8 +33,8 @@ pub struct System {
     pub step: f64,
     /// End of the run [s].
     pub stop: f64,
-    /// The scenario.
-    pub scenario: PathBuf,
+    /// The scenario; an .ssp may have none.
+    pub scenario: Option<PathBuf>,
     /// Whether inputs have slopes within a step.
     pub interpolate: bool,
     /// What is noisy.
@@ -110,12 +43,47 @@ pub struct System {
     coupling: Coupling,
     parts: Vec<(String, Part)>,
     connections: Vec<Connection>,
+    /// An .ssp, where the FMUs are; it has all connections.
+    package: Option<Package>,
     overrides: Vec<(String, String, Value)>,
     plant: Option<PathBuf>,
     mapping: Option<Mapping>,
 }
 
 impl System {
+    /// Reads a system file, .toml or .ssp; the FMUs of an .ssp are opened.
+    pub fn open(path: &Path, libraries: &mut Libraries) -> Result<Self, Error> {
+        if !ssp::is_one(path) {
+            return Self::load(path);
+        }
+        let package = Package::open(path, libraries.folder())?;
+        let told = ssp::read(&package, libraries)?;
+        let parts = told.members.into_iter().map(|member| {
+            let part = Part {
+                fmu: member.fmu,
+                parameters: Parameters::One(Set::Values(member.values)),
+                substeps: member.substeps,
+            };
+            (member.name, part)
+        });
+        Ok(Self {
+            name: told.name,
+            step: told.step,
+            stop: told.stop.unwrap_or(f64::NAN),
+            scenario: told.scenario,
+            interpolate: told.interpolate,
+            noise: Noise::default(),
+            path: path.to_owned(),
+            coupling: told.coupling,
+            parts: parts.collect(),
+            connections: told.connections,
+            package: Some(package),
+            overrides: vec![],
+            plant: None,
+            mapping: None,
+        })
+    }
+
     /// Reads a system file.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|error| Error::File {
@@ -135,13 +103,14 @@ impl System {
             name: file.system.name,
             step: file.system.step,
             stop: file.system.stop,
-            scenario: folder.join(file.system.scenario),
+            scenario: Some(folder.join(file.system.scenario)),
             path: path.to_owned(),
             coupling: file.system.coupling,
             interpolate: file.system.interpolate,
             noise: Noise::new(file.noise),
             parts,
             connections: file.connections,
+            package: None,
             overrides: vec![],
             plant: None,
             mapping: None,
@@ -185,6 +154,42 @@ impl System {
         Ok(())
     }
 
+    /// Reads the scenario. Inputs of an .ssp that it has no column for keep their start values; returns them.
+    pub fn scenario(&mut self) -> Result<(Scenario, Vec<String>), Error> {
+        let script =
+            |connection: &Connection| Some(connection.from.strip_prefix("scenario.")?.to_owned());
+        let Some(path) = &self.scenario else {
+            if self
+                .connections
+                .iter()
+                .any(|connection| script(connection).is_some())
+            {
+                return Err(self.fault("has inputs of its own; give --scenario FILE.csv".into()));
+            }
+            return Ok((Scenario::none(), vec![]));
+        };
+        let scenario = Scenario::load(path)?;
+        if self.package.is_none() {
+            return Ok((scenario, vec![]));
+        }
+        let free =
+            |c: &mut Connection| script(c).is_some_and(|name| scenario.find(&name).is_none());
+        let free = self
+            .connections
+            .extract_if(.., free)
+            .map(|c| c.to)
+            .collect();
+        Ok((scenario, free))
+    }
+
+    fn fault(&self, what: String) -> Error {
+        Error::Content {
+            path: self.path.clone(),
+            line: 0,
+            what,
+        }
+    }
+
     fn needs_plant(&self, option: &str) -> Result<(), Error> {
         if self.parts.iter().any(|(name, _)| name == PLANT) {
             return Ok(());
@@ -197,16 +202,15 @@ impl System {
 
     /// Communication points [s].
     pub fn times(&self) -> Result<Vec<f64>, Error> {
+        if self.stop.is_nan() && self.package.is_some() {
+            return Err(self.fault("says no stopTime; give --stop SECONDS".into()));
+        }
         let usable = |seconds: f64| seconds.is_finite() && seconds > 0.0;
         if !usable(self.step) || !usable(self.stop) || self.stop / self.step > MOST_STEPS {
-            return Err(Error::Content {
-                path: self.path.clone(),
-                line: 0,
-                what: format!(
-                    "step = {:?} s and stop = {:?} s must be above 0, with at most {MOST_STEPS:e} steps",
-                    self.step, self.stop
-                ),
-            });
+            return Err(self.fault(format!(
+                "step = {:?} s and stop = {:?} s must be above 0, with at most {MOST_STEPS:e} steps",
+                self.step, self.stop
+            )));
         }
         Ok(crate::plan::communication_points(self.step, self.stop))
     }
@@ -249,7 +253,11 @@ impl System {
             ours.map_or(library.description(), |supplier| &supplier.ours)
         });
         let seen: Vec<&Description> = seen.collect();
-        wiring::wire(&mut components, &seen, &self.connections, scenario)?;
+        let told = wiring::Told {
+            connections: &self.connections,
+            all: self.package.is_some(),
+        };
+        wiring::wire(&mut components, &seen, told, scenario)?;
         let (mut script, held) = wiring::script(&components, &seen, scenario);
         script.extend(self.noise.wire(&mut components, &seen, self.interpolate)?);
         if let (Some(supplier), Some(plant)) = (&supplier, plant(&mut components)) {
@@ -341,10 +349,8 @@ fn plant(components: &mut [Component]) -> Option<&mut Component> {
 }
 
 fn rank(name: &str) -> usize {
-    ORDER
-        .iter()
-        .position(|known| *known == name)
-        .unwrap_or(ORDER.len())
+    let place = ORDER.iter().position(|known| *known == name);
+    place.unwrap_or(ORDER.len())
 }
 
 fn line(text: &str, offset: usize) -> usize {

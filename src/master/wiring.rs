@@ -9,12 +9,22 @@ use crate::fmu;
 use crate::plan::{Component, Connection, Input};
 use crate::scenario::Scenario;
 use crate::suggest::did_you_mean;
+use std::collections::HashSet;
 
-/// Gives every component its inputs; `connections` are those of the file.
+/// The connections of a system file.
+#[derive(Clone, Copy)]
+pub struct Told<'a> {
+    /// As they are written.
+    pub connections: &'a [Connection],
+    /// There are no others: inputs without one keep their start values, and units are converted already.
+    pub all: bool,
+}
+
+/// Gives every component its inputs.
 pub fn wire(
     components: &mut [Component],
     descriptions: &[&Description],
-    connections: &[Connection],
+    told: Told<'_>,
     scenario: &Scenario,
 ) -> Result<(), Error> {
     let mut inputs = vec![];
@@ -22,7 +32,8 @@ pub fn wire(
         let wiring = Wiring {
             components,
             descriptions,
-            connections,
+            connections: told.connections,
+            all: told.all,
             scenario,
         };
         wiring.check_connections()?;
@@ -69,11 +80,13 @@ struct Wiring<'a> {
     components: &'a [Component],
     descriptions: &'a [&'a Description],
     connections: &'a [Connection],
+    all: bool,
     scenario: &'a Scenario,
 }
 
 impl Wiring<'_> {
     fn check_connections(&self) -> Result<(), Error> {
+        let mut fed = HashSet::new();
         for Connection { from, to, .. } in self.connections {
             let input = self.variable(to).is_some_and(|v| self.is_input(v));
             if !input {
@@ -87,13 +100,7 @@ impl Wiring<'_> {
                     format!("of [[connections]] is no output and no signal of the scenario{hint}");
                 return Err(Error::variable(from, what));
             }
-            if self
-                .connections
-                .iter()
-                .filter(|other| other.to == *to)
-                .count()
-                > 1
-            {
+            if !fed.insert(to) {
                 return Err(Error::variable(to, "has two sources; keep one"));
             }
         }
@@ -137,16 +144,19 @@ impl Wiring<'_> {
                 .any(|(name, _)| *name == variable.name);
             let source = match explicit {
                 Some(connection) => connection.from.clone(),
-                None if given => continue,
+                None if given || self.all => continue,
                 None => self.source(component, &variable.name)?,
             };
-            self.check_family(&target, variable, &source)?;
+            let table = explicit.map_or(&[][..], |connection| &connection.table);
+            if table.is_empty() || source.starts_with("scenario.") {
+                self.check_family(&target, variable, &source)?;
+            }
             let line = explicit.and_then(Connection::line);
             found.push(Input {
                 noise: None,
                 initial: None,
                 line: match line {
-                    Some(line) if variable.family == Family::Real => line,
+                    Some(line) if variable.family == Family::Real || self.all => line,
                     Some(_) => {
                         return Err(Error::variable(
                             target,
@@ -157,7 +167,7 @@ impl Wiring<'_> {
                 },
                 name: variable.name.clone(),
                 source,
-                table: vec![],
+                table: table.to_vec(),
             });
         }
         Ok(found)
@@ -306,12 +316,17 @@ mod tests {
                 to: (*to).into(),
                 factor: None,
                 offset: None,
+                table: vec![],
             })
             .collect();
+        let told = Told {
+            connections: &connections,
+            all: false,
+        };
         wire(
             &mut components,
             &all.iter().collect::<Vec<_>>(),
-            &connections,
+            told,
             &scenario,
         )?;
         let inputs = components.pop().unwrap_or_default().inputs;

@@ -7,7 +7,7 @@
 mod both;
 
 use both::{Loop, Table, column, root, shipped};
-use cosim_master::{Job, Libraries, Outcome, Scenario, System, Watch, run_all};
+use cosim_master::{Job, Libraries, Outcome, System, Watch, run_all};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -207,7 +207,7 @@ fn rows(runs: usize, stop: f64, threads: usize) -> Vec<Vec<f64>> {
     let mut system = System::load(&shipped("paper_case1.toml")).unwrap();
     system.stop = stop;
     let times = system.times().unwrap();
-    let scenario = Scenario::load(&system.scenario).unwrap();
+    let scenario = system.scenario().unwrap().0;
     let fmus = root().join("target/fmu");
     let mut jobs = vec![];
     for k in 0..runs {
