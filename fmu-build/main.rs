@@ -25,7 +25,9 @@ use std::time::Duration;
   cargo fmu build --small                  libraries of two thirds the size
   cargo fmu merge linux.fmu windows.fmu --out both.fmu
   cargo fmu ssp                            the closed loop as one file, for tools that read SSP
-  cargo fmu check target/fmu/DctPlant.fmu  what an importer would stumble over"
+  cargo fmu check target/fmu/DctPlant.fmu  what an importer would stumble over
+
+Exit codes: 0 done, 1 failed or out of date, 2 usage, 3 `check` found an FMU invalid."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -40,7 +42,14 @@ An error breaks FMI 2.0.4. A warning is legal, but some machine or user will stu
 are not the system's, symbols that are not FMI's, search paths and file names of the machine it was built on,
 glibc above 2.17, printing. `--strict` takes warnings for errors. In FMUs that this program packed, those of
 symbols, libraries, paths and names always are errors; glibc and libgcc_s are what a build for one's own machine
-may need.";
+may need.
+
+Examples:
+  cargo fmu check target/fmu/DctPlant.fmu
+  cargo fmu check --strict --glibc 2.17 Supplier.fmu
+  cargo fmu check --json target/fmu/*.fmu
+
+Exit codes: 0 all are valid, 1 no check could be made, 2 usage, 3 an FMU is invalid.";
 
 const BUILD: &str = "\
 A target is one of rustc's, e.g. x86_64-pc-windows-gnullvm. One for Linux may have the oldest glibc behind it,
@@ -48,7 +57,26 @@ x86_64-unknown-linux-gnu.2.17: then cargo-zigbuild links it. Repeated, all go in
 A small library computes the same bits, in steps of up to a tenth more instructions. Its first build takes a minute
 longer: the standard library is built, too, without what would print where a panic came from, which an FMU keeps
 quiet about anyway.
-Two builds of the same sources give the same bytes.";
+Two builds of the same sources give the same bytes.
+
+Examples:
+  cargo fmu build
+  cargo fmu build DctPlant --out /data --small
+  cargo fmu build --target x86_64-unknown-linux-gnu.2.17 --target x86_64-pc-windows-gnullvm";
+
+const REPLAY: &str = "\
+Several FMUs are coupled: an input takes the output of its name from the FMU nearest before its own,
+going round; they step in the order of the list.
+The same file on two platforms means that both compute the same.
+
+Example, of a file with the lines `time,engine.torque,clutch1.position`, `0,0,0` and `1,60,0.006`:
+  cargo fmu replay --inputs step.csv --out outputs.csv target/fmu/DctPlant.fmu";
+
+const MERGE: &str = "\
+Their descriptions must be the same, GUID included.
+
+Example:
+  cargo fmu merge linux.fmu windows.fmu --out both.fmu";
 
 #[derive(Subcommand)]
 enum Command {
@@ -75,7 +103,7 @@ enum Command {
         small: bool,
     },
     /// Join FMUs of one model for several platforms.
-    #[command(after_help = "Their descriptions must be the same, GUID included.")]
+    #[command(after_help = MERGE)]
     Merge {
         /// The FMU to add to, unless --out names another file.
         one: PathBuf,
@@ -87,10 +115,7 @@ enum Command {
         out: Option<PathBuf>,
     },
     /// Run FMUs over a table of inputs and write their outputs, bit for bit.
-    #[command(
-        after_help = "Several FMUs are coupled: an input takes the output of its name from the FMU nearest before its own,\n\
-going round; they step in the order of the list.\nThe same file on two platforms means that both compute the same."
-    )]
+    #[command(after_help = REPLAY)]
     Replay {
         /// FMU files.
         #[arg(required = true, value_name = "FMU")]

@@ -109,7 +109,7 @@ def test_verbs_speak_json_or_not_at_all(
         assert capsys.readouterr().out != "", verb
 
 
-def test_every_verb_shows_an_example_and_most_know_quiet(
+def test_every_verb_shows_an_example_and_exit_codes_and_most_know_quiet(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     silent = set()
@@ -119,6 +119,7 @@ def test_every_verb_shows_an_example_and_most_know_quiet(
             cli.main([name, "--help"])
         said = capsys.readouterr().out
         assert f"examples:\n  dct-harness {name}" in said
+        assert "\nexit codes:\n  " in said
         if "--quiet" not in said:
             silent.add(name)
     assert silent == {"completion"}

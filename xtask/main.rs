@@ -61,6 +61,9 @@ set-up (done by every command, kept between runs):
 
 A step that fails shows the command that repeats it alone.
 
+exit codes:
+  0 all steps done, 1 a step failed, 2 no such command
+
 examples:
   cargo xtask demo --open
   cargo fmu build DctPlant            # one FMU only

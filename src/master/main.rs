@@ -16,7 +16,11 @@ use std::thread;
 
 /// A compiled master for FMI 2.0 co-simulation FMUs.
 #[derive(Parser)]
-#[command(name = "cosim", version)]
+#[command(
+    name = "cosim",
+    version,
+    after_help = "`cosim run --help` shows options, examples and exit codes."
+)]
 struct Words {
     #[command(subcommand)]
     verb: Verb,

@@ -90,7 +90,7 @@ def parse(text: str) -> Factor:
     except ValueError:
         numbers = ()
     if not NUMBERS[kind].takes(numbers):
-        raise ConfigError(f"--vary {text}: write {VARY_HELP}")
+        raise ConfigError(f"--vary {text}: write {VARY_HELP}; LOW < HIGH, DEVIATION > 0")
     return Factor(name, kind, numbers)
 
 

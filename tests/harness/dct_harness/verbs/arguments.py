@@ -15,13 +15,18 @@ Verbs: TypeAlias = "argparse._SubParsersAction[Any]"
 
 
 def verb(
-    verbs: Verbs, name: str, action: Action, text: str, examples: str
+    verbs: Verbs, name: str, action: Action, text: str, examples: str, codes: str
 ) -> argparse.ArgumentParser:
-    """Add a verb that calls `action`; `examples` are lines without `dct-harness` before them."""
+    """Add a verb that calls `action`.
+
+    `examples` are lines without `dct-harness` before them, `codes` its exit codes.
+    """
     lines = "".join(f"  dct-harness {line}\n" for line in examples.splitlines())
+    ends = "".join(f"  {line}\n" for line in codes.splitlines())
     parser = verbs.add_parser(
         name, help=text, description=f"{text[0].upper()}{text[1:]}.",
-        epilog=f"examples:\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=f"examples:\n{lines}\nexit codes:\n{ends}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.set_defaults(action=action)
     return parser
@@ -75,11 +80,11 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
             "with --engine native the whole loop does, in one.")  # fmt: skip
     group = parser.add_argument_group("foreign FMUs", told)
     group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign",
-                       help="which FMUs get a process (foreign)")  # fmt: skip
+                       help="which FMUs get a process of their own (foreign)")  # fmt: skip
     group.add_argument("--call-timeout", type=seconds, default=Limits.seconds, metavar="SECONDS",
                        help="longest time for a call, or for that loop (%(default)g)")  # fmt: skip
     group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
-                       help="largest address space (%(default)g)")  # fmt: skip
+                       help="largest address space of such a process (%(default)g)")  # fmt: skip
 
 
 def limits(args: argparse.Namespace) -> Limits:

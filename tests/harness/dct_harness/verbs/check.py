@@ -16,15 +16,20 @@ BROKEN = 1  # contract
 INVALID = 3
 HEAD = ["causality", "type", "variable", "unit"]
 
+CODES = """0 valid, 1 the contract is broken (--against),
+2 a file cannot be read, 3 FMU invalid, 4 its code fails, 5 its code hangs,
+6 no binary for this platform"""
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "check", check, "validate and load one FMU",
                   "check target/fmu/DctPlant.fmu\n"
-                  "check Supplier.fmu --against plant --map supplier.toml")  # fmt: skip
+                  "check Supplier.fmu --against plant --map supplier.toml", CODES)  # fmt: skip
     parser.add_argument("fmu", type=Path, help="the FMU")
     parser.add_argument("--against", choices=["plant"], help="hold it to the contract of a plant")
-    parser.add_argument("--map", type=Path, help="mapping file (.toml) of that plant's names")
+    parser.add_argument("--map", type=Path, metavar="FILE",
+                        help="mapping file (.toml) of that plant's names")  # fmt: skip
     add_loudness(parser, "problems and variables, or the lines of the contract")
 
 

@@ -21,11 +21,13 @@ compare a.parquet b.csv --abs 0.5 --tube 0.005
 compare reference target/results/paper_case1 --tolerances tolerances.toml --junit regression.xml"""
 HEAD = ["signal", "of allowance", "at [s]", "reference", "run", "unit", "NRMSE", "verdict"]
 
+CODES = "0 all signals agree, 1 a signal leaves its tolerance, 2 usage or a file cannot be read"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "compare a run with a reference, signal by signal"
-    parser = verb(verbs, "compare", run, text, EXAMPLES)
+    parser = verb(verbs, "compare", run, text, EXAMPLES, CODES)
     start = Tolerance()
     parser.add_argument("reference", type=Path, help="result directory or file")
     parser.add_argument("run", type=Path, help="result directory or file")

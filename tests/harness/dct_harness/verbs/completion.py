@@ -10,11 +10,13 @@ SHELLS = ("bash", "zsh", "tcsh")
 EXAMPLES = """completion bash > ~/.local/share/bash-completion/completions/dct-harness
 completion zsh > ~/.zfunc/_dct-harness"""
 
+CODES = "0 printed, 2 no such shell"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "print a completion script for a shell"
-    parser = verb(verbs, "completion", completion, text, EXAMPLES)
+    parser = verb(verbs, "completion", completion, text, EXAMPLES, CODES)
     parser.add_argument("shell", choices=SHELLS, help="whose script to print")
 
 

@@ -16,11 +16,13 @@ convert results.parquet results.csv --only 'plant.clutch*' --step 0.01
 convert drive.mf4 scenario.csv --map names.toml --step 0.001 --start 12.5 --stop 42.5"""
 MAP_HELP = "TOML: [[signals]] with from, to and unit; only these are written, in SI units"
 
+CODES = "0 written, 2 usage, or a file cannot be read or written"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "convert results or measured data between CSV, Parquet and MF4"
-    parser = verb(verbs, "convert", convert, text, EXAMPLES)
+    parser = verb(verbs, "convert", convert, text, EXAMPLES, CODES)
     parser.add_argument("source", type=Path, help="result directory or file")
     parser.add_argument("target", type=Path, help="file to write (.csv, .parquet, .mf4)")
     parser.add_argument("--map", type=Path, metavar="FILE", help=MAP_HELP)

@@ -23,11 +23,15 @@ OPTIONAL = {
     "matplotlib": "pictures: pip install dct-harness[picture]",
 }
 
+CODES = """of the worst FMU: 0 it loads,
+2 a file cannot be read, 3 FMU invalid, 4 its code fails, 5 its code hangs,
+6 no binary for this platform"""
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "doctor", doctor, "versions, platform, do the FMUs load",
-                  "doctor\ndoctor target/fmu/DctPlant.fmu Supplier.fmu --json")  # fmt: skip
+                  "doctor\ndoctor target/fmu/DctPlant.fmu Supplier.fmu --json", CODES)  # fmt: skip
     parser.add_argument("fmus", type=Path, nargs="*", help="FMUs to try to load")
     add_loudness(parser, "versions and what each FMU needs")
 

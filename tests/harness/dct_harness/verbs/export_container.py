@@ -19,13 +19,16 @@ from .arguments import Verbs, add_loudness, say, verb
 EXAMPLES = """export-container examples/closed_loop/torque_tracking_case1.toml
 export-container loop.toml --step 0.01 --out target/loop.fmu"""
 
+CODES = "0 written, 2 usage or configuration, 3 FMU invalid"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     what = "pack a system as one FMU: the scenario's signals are its inputs"
-    parser = verb(verbs, "export-container", export, what, EXAMPLES)
+    parser = verb(verbs, "export-container", export, what, EXAMPLES, CODES)
     selection.add_options(parser)
-    parser.add_argument("--out", type=Path, help="file to write (target/NAME.fmu)")
+    parser.add_argument("--out", type=Path, metavar="FILE",
+                        help="file to write (target/NAME.fmu)")  # fmt: skip
     add_loudness(parser, "file and components")
 
 

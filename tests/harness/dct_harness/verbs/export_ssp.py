@@ -13,13 +13,15 @@ EXAMPLES = """export-ssp examples/closed_loop/paper_case1.toml --out target/pape
 export-ssp loop.toml --plant Antrieb.fmu --map antrieb.toml
 run target/paper_case1.ssp"""
 
+CODES = "0 written, 2 usage or configuration, 3 FMU invalid"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "write a system, its FMUs, values and scenario as one .ssp"
-    parser = verb(verbs, "export-ssp", export, text, EXAMPLES)
+    parser = verb(verbs, "export-ssp", export, text, EXAMPLES, CODES)
     selection.add_options(parser)
-    parser.add_argument("--out", type=Path, help="file to write (target/NAME.ssp)")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="file to write (target/NAME.ssp)")
     add_loudness(parser, "file and components")
 
 

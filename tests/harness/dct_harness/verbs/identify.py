@@ -28,11 +28,13 @@ REMARKS = {
     "iv": "instrumental variables: not drawn by white noise",
 }
 
+CODES = "0 found, 2 usage, or the source cannot be read or shows no launch"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "find stiffness and damping of the drive shaft in measurements of a launch"
-    parser = verb(verbs, "identify", identify, text, EXAMPLES)
+    parser = verb(verbs, "identify", identify, text, EXAMPLES, CODES)
     parser.add_argument("source", type=Path, help="result directory or file (.csv, .parquet, .mf4)")
     parser.add_argument("--map", type=Path, metavar="FILE", help=MAP_HELP)
     option = parser.add_argument

@@ -13,13 +13,15 @@ from ..fmu.archive import described
 from ..supplier import skeleton
 from .arguments import Verbs, verb
 
+CODES = "0 written, 2 a file cannot be read or exists already, 3 no FMU"
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     parser = verb(verbs, "map", make, "write a mapping file for a supplier's plant to start from",
-                  "map Supplier.fmu\nmap Supplier.fmu --out supplier.toml")  # fmt: skip
+                  "map Supplier.fmu\nmap Supplier.fmu --out supplier.toml", CODES)  # fmt: skip
     parser.add_argument("fmu", type=Path, help="the supplier's plant")
-    parser.add_argument("--out", type=Path, help="file to write (standard output)")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="file to write (standard output)")
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
 
 

@@ -15,10 +15,14 @@ report target/demo/*
 report target/study/robustness --out target/study_report
 report target/results/paper_case1 --compare-to reference/paper_case1"""
 
+CODES = """0 written, 1 written and a run misses a limit or did not reach its end,
+2 usage, or a file cannot be read or written"""
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
-    parser = verb(verbs, "report", report, "write an HTML report of result directories", EXAMPLES)
+    text = "write an HTML report of result directories"
+    parser = verb(verbs, "report", report, text, EXAMPLES, CODES)
     parser.add_argument("runs", type=Path, nargs="+", help="result directories, or that of a study")
     parser.add_argument(
         "--compare-to",
@@ -29,7 +33,7 @@ def add(verbs: Verbs) -> None:
         help="earlier runs to overlay",
     )
     parser.add_argument("--title", help="heading of the page (Closed loop, or that of the study)")
-    parser.add_argument("--out", type=Path, default=Path("target/report"),
+    parser.add_argument("--out", type=Path, default=Path("target/report"), metavar="FOLDER",
                         help="folder of the page (target/report)")  # fmt: skip
     add_loudness(parser, "page, verdict and limits")
 

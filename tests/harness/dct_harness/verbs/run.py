@@ -30,16 +30,23 @@ run examples/closed_loop/paper_case1.toml --engine native
 run examples/closed_loop/calibration_case1.toml --calibration earlier/calibration.ssv
 run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml"""
 
+CODES = """0 pass or not judged, 1 a limit is missed or --check-step finds a larger change,
+2 usage or configuration, 3 FMU invalid, 4 FMU failed at run time, 5 timeout,
+6 no binary for this platform, 130 interrupted (what was made until then is kept)"""
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
-    parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES)
+    parser = verb(verbs, "run", run, "run a closed loop", EXAMPLES, CODES)
     selection.add_options(parser)
-    parser.add_argument("--out", type=Path, help="result directory (target/results/NAME)")
-    parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help="longest run time")
-    finer = "repeat at half the step; exit 1 when an output changes by more"
+    parser.add_argument("--out", type=Path, metavar="FOLDER",
+                        help="result directory (target/results/NAME)")  # fmt: skip
+    longest = "longest time of the run by the clock (none); what was made until then is kept"
+    parser.add_argument("--timeout", type=seconds, metavar="SECONDS", help=longest)
+    finer = "repeat at half the step; exit 1 when an output changes by more, RMS in %% of its RMS"
     parser.add_argument("--check-step", type=amount, metavar="PERCENT", help=finer)
-    engine = "fmpy, or native: the compiled master, the same numbers in a fraction of the time"
+    engine = ("fmpy (default), or native: the compiled master, the same numbers in a fraction of "
+              "the time; `cargo xtask native` builds it")  # fmt: skip
     parser.add_argument("--engine", choices=tuple(ENGINES), default="fmpy", help=engine)
     add_limits(parser)
     parser.add_argument("--format", choices=FORMATS, default="csv", help="of the results (csv)")

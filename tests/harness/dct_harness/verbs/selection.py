@@ -20,16 +20,20 @@ Chosen = tuple[system.System, dict[str, Path], mapping.Mapping | None, ssp.Packa
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the system file and what may differ from it."""
     parser.add_argument("system", type=Path, help="system file (.toml or .ssp)")
-    parser.add_argument("--step", type=seconds, metavar="SECONDS", help="communication step")
+    parser.add_argument("--step", type=seconds, metavar="SECONDS",
+                        help="communication step (that of the file)")  # fmt: skip
     along = "inputs with slopes, where the FMU can interpolate"
     parser.add_argument("--interpolate", action="store_true", help=along)
-    parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of the run")
-    parser.add_argument("--scenario", type=Path, help="scenario CSV instead of the file's")
-    parser.add_argument("--plant", type=Path, help="FMU to use as component 'plant'")
-    parser.add_argument(
-        "--map", type=Path, help="mapping file (.toml): names, units, codings of that plant"
-    )
-    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"),
+    parser.add_argument("--stop", type=seconds, metavar="SECONDS",
+                        help="end of the run (that of the file)")  # fmt: skip
+    parser.add_argument("--scenario", type=Path, metavar="FILE",
+                        help="scenario CSV instead of the file's: time [s], signals in SI units"
+                        )  # fmt: skip
+    parser.add_argument("--plant", type=Path, metavar="FMU",
+                        help="FMU to use as component 'plant'")  # fmt: skip
+    names = "mapping file (.toml): names, units, codings of that plant"
+    parser.add_argument("--map", type=Path, metavar="FILE", help=names)
+    parser.add_argument("--fmu-dir", type=Path, default=Path("target/fmu"), metavar="FOLDER",
                         help="where FMUs are (%(default)s)")  # fmt: skip
     parser.add_argument("--parameters", nargs=2, action="append", default=[],
                         metavar=("COMPONENT", "FILE"),
@@ -37,7 +41,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     learnt = "calibration.ssv of an earlier run: observer and control start with what it had learnt"
     parser.add_argument("--calibration", type=Path, metavar="FILE", help=learnt)
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
-                        help="a parameter or start value; may be given more than once")  # fmt: skip
+                        help="a parameter or start value in SI units, or an input held at it; "
+                        "may be given more than once")  # fmt: skip
 
 
 def choose(args: argparse.Namespace) -> Chosen:

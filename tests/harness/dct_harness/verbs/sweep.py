@@ -62,11 +62,14 @@ HEAD = ["KPI", "signal", "estimate", "least", "median", "95 %", "most"]
 KEYS = ("kpi", "signal", "estimate", "least", "median", "quantile95", "most")
 PLAIN = ("runs", "seed", "sampling", "jobs", "engine", "fmu_dir")  # options that a study has too
 
+CODES = """0 every run passes, 1 a run misses a limit or fails (its row says why),
+2 usage or configuration, 130 interrupted (finished runs are kept: --resume)"""
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the command line."""
     text = "run a system many times: a study file, or parameters drawn by a seed"
-    parser = verb(verbs, "sweep", sweep, text, EXAMPLES)
+    parser = verb(verbs, "sweep", sweep, text, EXAMPLES, CODES)
     parser.epilog = f"{parser.epilog}{STUDY_FILE}"
     parser.add_argument("system", type=Path, help="study file, or system file with --vary")
     parser.add_argument(
@@ -79,11 +82,14 @@ def add(verbs: Verbs) -> None:
     how = f"how numbers are drawn ({Study.sampling}); saltelli: for Sobol indices"
     parser.add_argument("--sampling", choices=sampling.METHODS, help=how)
     parser.add_argument("--jobs", type=int, help=f"processes at once ({Study.jobs})")
-    for name, told in (("scenario", "scenario CSV instead of the file's"),
-                       ("plant", "FMU to use as component 'plant'"),
-                       ("map", "mapping file (.toml): names, units of that plant")):  # fmt: skip
-        parser.add_argument(f"--{name}", type=Path, help=told)
-    parser.add_argument("--stop", type=seconds, metavar="SECONDS", help="end of every run")
+    for name, kind, told in (
+        ("scenario", "FILE", "scenario CSV instead of the file's"),
+        ("plant", "FMU", "FMU to use as component 'plant'"),
+        ("map", "FILE", "mapping file (.toml): names, units, codings of that plant"),
+    ):
+        parser.add_argument(f"--{name}", type=Path, metavar=kind, help=told)
+    parser.add_argument("--stop", type=seconds, metavar="SECONDS",
+                        help="end of every run (that of the file)")  # fmt: skip
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
                         help="a parameter or start value of all runs")  # fmt: skip
     there = "run on the workers of a dask scheduler; 'local': --jobs workers of this machine"
@@ -94,9 +100,11 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--resume", action="store_true", help=going)
     again = "with --resume: also make runs again that failed or were lost"
     parser.add_argument("--retry", action="store_true", help=again)
-    parser.add_argument("--fmu-dir", type=Path, help=f"where FMUs are ({Study.fmu_dir})")
+    parser.add_argument("--fmu-dir", type=Path, metavar="FOLDER",
+                        help=f"where FMUs are ({Study.fmu_dir})")  # fmt: skip
     parser.add_argument("--out", type=Path,
-                        help="folder of sweep.csv and of kept runs (target/sweep)")  # fmt: skip
+                        metavar="FOLDER", help="folder of sweep.csv and of kept runs "
+                        "(target/sweep, of a study target/study/NAME)")  # fmt: skip
     parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
     parser.add_argument("--keep", action="store_true", help="keep the signals of every run")
     add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
