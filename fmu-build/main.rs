@@ -120,7 +120,7 @@ enum Command {
         /// FMU files.
         #[arg(required = true, value_name = "FMU")]
         fmus: Vec<PathBuf>,
-        /// CSV file: column `time` [s], then columns named like inputs and parameters.
+        /// CSV file: column `time` [s], then columns named like inputs and parameters; others are passed over.
         #[arg(long, value_name = "CSV")]
         inputs: PathBuf,
         /// Communication step [s].

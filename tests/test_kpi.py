@@ -267,7 +267,8 @@ def test_table_is_aligned_and_json_is_strict() -> None:
                   observer__mapBased__clutch1__torque=truth * 0.5)  # fmt: skip
     found = kpi.compute(run, {})
     json.dumps(found, allow_nan=False)
-    head, rule, row = kpi.format_table(found).splitlines()[:3]
+    told, head, rule, row = kpi.format_table(found).splitlines()[:4]
+    assert "RMSE, max [N·m]" in told
     assert len(head) == len(rule) == len(row)
     assert row.split()[:2] == ["T_c1", "scenario"]
     assert row.split()[-1] == "5.00"
@@ -282,3 +283,11 @@ def test_paper_phases_cover_the_manoeuvre_without_gaps(repo_root: Path) -> None:
     phases = scopes.read_phases(repo_root / "examples/closed_loop/scenarios/phases.csv")
     assert [p.end for p in phases[:-1]] == [p.start for p in phases[1:]]
     assert (phases[0].start, phases[-1].end) == (1.0, 30.0)
+
+
+def test_a_limit_without_a_value_says_what_that_means() -> None:
+    judged = {"kpi": "estimation.ratio", "signal": "clutch1.torque", "estimate": "", "unit": "1",
+              "scope": "scenario", "relation": ">=", "limit": 4.0, "pass": False}  # fmt: skip
+    for value, told in ((None, True), (3.0, False)):
+        kpis = {"rows": [], "limits": [{**judged, "value": value}], "verdict": "fail"}
+        assert ("–: not defined in this run" in kpi.format_table(kpis)) == told

@@ -93,17 +93,23 @@ def _with_unit(text: str, row: dict[str, Any]) -> str:
 ESTIMATION_HEAD = [
     "torque", "scope", "obs RMSE", "obs max", "obs %", "map RMSE", "map max", "map %", "map/obs"
 ]  # fmt: skip
+ESTIMATION_TOLD = ("errors of the observer (obs) and of the map-based estimate (map): "
+                   "RMSE, max [N·m], % of the RMS torque")  # fmt: skip
+UNDEFINED_TOLD = ("–: not defined in this run, as where a torque is 0 or an event does not happen; "
+                  "such a limit is missed")  # fmt: skip
 OTHER_HEAD = ["KPI", "signal", "scope", "value", "unit"]
 LIMIT_HEAD = ["limit on", "signal", "scope", "value", "limit", "verdict"]
 
 
 def format_table(kpis: dict[str, Any]) -> str:
     """Return all KPIs of `compute` as aligned text: estimates [N·m, %], the rest, the limits."""
+    estimates = aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1)
     parts = [
-        aligned(ESTIMATION_HEAD, estimation_cells(kpis), lambda k: k > 1),
+        f"{ESTIMATION_TOLD}\n{estimates}" if estimates else "",
         aligned(_method_head(kpis), method_cells(kpis), lambda k: k > 0),
         aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
         aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (3, 4)),
+        UNDEFINED_TOLD if any(j["value"] is None for j in kpis["limits"]) else "",
         f"verdict: {kpis['verdict']}",
     ]
     return "\n\n".join(part for part in parts if part)
