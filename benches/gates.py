@@ -6,15 +6,13 @@ that divides a millisecond (at 0.1 ms it diverges); DctPlant with `transmission.
 RK4 of the same rigid driveline at 0.1 ms. The peers have the plant's inputs with their rates and
 its outputs, friction energies included, but not jerk, filtered acceleration and energy residual.
 
-The rigid gate at 1 ms is kept by little: 22.2. Of the 1,071 instructions of a rigid exchange some
-390 are the shell's and the driver's; 333 are the model's (inputs, ladder, ramp of the load, look at
-the clutches, filter of the jerk), 248 move, book and lose, 18 check for numbers. A gate of 22
-allows 1,078.
+The rigid gate at 1 ms is kept by little: 22.5. Of the 1,058 instructions of a rigid exchange some
+390 are the shell's and the driver's; a gate of 22 allows 1,078.
 
 The worst step of the compliant plant, one with events, is a time and stands at its limit: runs on
-an idle machine gave 0.8 (the first 3 s of the drive) and 1.00 (all 30). One more misses its limit:
-p99.9 over p50 is 1.75, in ticks of a clock of 10 ns: 80 ns for most steps, 140 ns for those below
-walking pace, where the load needs a tanh.
+a machine that others use gave 0.96 to 1.3. So does p99.9 over p50, in ticks of a clock of 10 ns:
+70 to 80 ns for most steps, 110 ns for those below walking pace with a slipping clutch whose
+actuator moves.
 """
 
 from __future__ import annotations

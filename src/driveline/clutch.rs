@@ -56,6 +56,20 @@ impl ForceMap {
         interpolate(&self.position, &self.force, theta)
     }
 
+    /// [`Self::force`] that looks first between point `piece` and the next, and leaves there where it found it.
+    #[inline(always)]
+    pub fn force_near(&self, theta: f64, piece: &mut usize) -> f64 {
+        let xs = &self.position;
+        if theta <= xs[0] {
+            return self.force[0];
+        }
+        let (start, end) = (*piece, *piece + 1);
+        if end >= MAP_POINTS || theta <= xs[start] || xs[end] < theta {
+            *piece = piece_of(xs, theta);
+        }
+        on_piece(xs, &self.force, *piece, theta)
+    }
+
     /// dF_n/dθ_m [N/m] on the side of a position towards which it moves: a map has corners.
     ///
     /// `theta`: actuator position θ_m [m]. `rate`: its rate or direction; below 0: the left side.
@@ -98,21 +112,31 @@ fn interpolate(xs: &[f64; MAP_POINTS], ys: &[f64; MAP_POINTS], x: f64) -> f64 {
     if x <= xs[0] {
         return ys[0];
     }
-    let mut start = 0;
-    for step in HALVES {
+    on_piece(xs, ys, piece_of(xs, x), x)
+}
+
+/// The last point left of `x`, which is right of the first one.
+#[inline(always)]
+fn piece_of(xs: &[f64; MAP_POINTS], x: f64) -> usize {
+    HALVES.into_iter().fold(0, |start, step| {
         let later = start + step;
-        start = if xs[later] < x { later } else { start }; // without a branch
-    }
-    if start + 1 >= MAP_POINTS {
+        if xs[later] < x { later } else { start } // without a branch
+    })
+}
+
+/// Value right of point `start`, up to the next.
+#[inline(always)]
+fn on_piece(xs: &[f64; MAP_POINTS], ys: &[f64; MAP_POINTS], start: usize, x: f64) -> f64 {
+    let end = start + 1;
+    if end >= MAP_POINTS {
         return ys[MAP_POINTS - 1];
     }
-    let end = start + 1;
     ys[start] + (ys[end] - ys[start]) * (x - xs[start]) / (xs[end] - xs[start])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::ForceMap;
+    use super::{ForceMap, MAP_POINTS};
 
     const MAPS: [ForceMap; 2] = [ForceMap::CLUTCH_1, ForceMap::CLUTCH_2];
 
@@ -129,6 +153,25 @@ mod tests {
         ];
         for (theta, force) in cases {
             assert!((map.force(theta) - force).abs() < 1e-9, "{theta} m");
+        }
+    }
+
+    #[test]
+    fn force_near_is_force_from_wherever_it_starts() {
+        for map in MAPS {
+            for from in 0..MAP_POINTS {
+                for k in -2..=230 {
+                    let (mut piece, theta) = (from, f64::from(k) * 0.5e-4);
+                    let force = map.force_near(theta, &mut piece);
+                    assert_eq!(
+                        force.to_bits(),
+                        map.force(theta).to_bits(),
+                        "{from} {theta}"
+                    );
+                    let again = map.force_near(theta, &mut piece);
+                    assert_eq!(again.to_bits(), force.to_bits());
+                }
+            }
         }
     }
 

@@ -18,6 +18,7 @@ mod presets_fade;
 pub mod reduced;
 mod rung;
 mod shaft;
+mod tanh;
 pub mod thermal;
 
 pub use clutch::ForceMap;

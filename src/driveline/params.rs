@@ -103,6 +103,16 @@ impl ClutchParams {
             self.map.force(actuation.position)
         }
     }
+
+    /// [`Self::force`], for a position by [`ForceMap::force_near`].
+    #[inline(always)]
+    pub fn force_near(&self, actuation: Actuation, piece: &mut usize) -> f64 {
+        if self.piston_area > 0.0 {
+            self.force(actuation)
+        } else {
+            self.map.force_near(actuation.position, piece)
+        }
+    }
 }
 
 impl ClutchParams {

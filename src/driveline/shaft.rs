@@ -14,14 +14,12 @@ use nalgebra::ComplexField;
 
 use crate::Params;
 use crate::params::RoadParams;
+use crate::tanh::{self, NEAR, SATURATED, tanh};
 
-/// Argument beyond which tanh is 1 to the last bit.
-const SATURATED: f64 = 22.0;
-/// Change of an argument up to which the Padé approximant of tanh of it, x (945 + 105 x² + x⁴) over
-/// 945 + 420 x² + 15 x⁴, is exact to round-off: its error is x¹⁰/10⁷ of it.
-const NEAR: f64 = 0.1;
 /// Correction of ω_w [rad/s] whose square, the error left by Newton's step on the load, is below round-off.
 pub(crate) const LOAD_SETTLED: f64 = 1e-8;
+/// What one step of Newton's on a slow load may leave in ω_w [rad/s]: round-off.
+const LOAD_LEFT: f64 = 1e-15;
 
 impl RoadParams {
     /// T_v of (11): load torque at the wheel [N·m], positive when it brakes forward motion.
@@ -43,41 +41,11 @@ impl RoadParams {
     pub(crate) fn smooth_load(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
         if grade.is_fast(omega_w) && self.v_eps > 0.0 {
             grade.fast_load(omega_w)
+        } else if self.v_eps > 0.0 {
+            grade.slow_load(omega_w, tanh(grade.sharpness * omega_w))
         } else {
-            self.slow_load(omega_w, grade, |ratio| grade.direction_at(ratio))
+            grade.flowing(omega_w)
         }
-    }
-
-    /// The same at a wheel speed near that which the grade was travelled at; V_ε > 0.
-    #[inline(always)]
-    pub(crate) fn load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        if grade.is_fast(omega_w) {
-            grade.fast_load(omega_w)
-        } else {
-            self.slow_load_near(omega_w, grade)
-        }
-    }
-
-    #[cold]
-    #[inline(never)] // most speeds do not need it
-    fn slow_load_near(&self, omega_w: f64, grade: &Grade) -> (f64, f64) {
-        self.slow_load(omega_w, grade, |ratio| grade.direction_near(ratio))
-    }
-
-    /// `direction`: tanh of V/V_ε.
-    fn slow_load(
-        &self,
-        omega_w: f64,
-        grade: &Grade,
-        direction: impl FnOnce(f64) -> f64,
-    ) -> (f64, f64) {
-        let (flow, slope) = grade.flowing(omega_w);
-        if self.v_eps <= 0.0 {
-            return (flow, slope);
-        }
-        let direction = direction(grade.sharpness * omega_w);
-        let roll_slope = grade.roll * (1.0 - direction * direction) * grade.sharpness;
-        (flow + grade.roll * direction, slope + roll_slope)
     }
 
     /// Share of the weight's torque on the level that is a rolling resistance by dry friction [1]; 0 where V_ε smooths it.
@@ -98,7 +66,7 @@ impl RoadParams {
     /// tanh(V/V_ε): direction of travel as rolling resistance sees it [1]; sgn(V) with V_ε = 0.
     pub fn direction(&self, omega_w: f64) -> f64 {
         if self.v_eps > 0.0 {
-            ComplexField::tanh(self.r_w * omega_w / self.v_eps)
+            tanh(self.r_w * omega_w / self.v_eps)
         } else {
             sign(omega_w)
         }
@@ -148,8 +116,9 @@ pub struct Grade {
     fast: f64,
     /// The rolling resistance is smooth, and no friction varies: between events a step takes no decisions.
     pub(crate) plain: bool,
-    /// V/V_ε where the wheels last travelled slowly, and its tanh.
-    ratio: f64,
+    /// Bound of |∂²T_v/∂ω_w²| [N·m·s²/rad²].
+    bend: f64,
+    /// tanh of V/V_ε where the wheels last travelled slowly.
     direction: f64,
 }
 
@@ -171,7 +140,7 @@ impl Grade {
         sharpness: 0.0,
         fast: 0.0,
         plain: false,
-        ratio: 0.0,
+        bend: 0.0,
         direction: 0.0,
     };
 
@@ -208,26 +177,34 @@ impl Grade {
         self.drag = 0.5 * road.rho_air * road.a_v * road.c_drag * r_w * r_w * r_w;
         self.roll = self.level * road.c_rr;
         self.sharpness = r_w / road.v_eps;
+        self.bend = self.roll * self.sharpness * self.sharpness + 2.0 * self.drag;
         self.fast = SATURATED * road.v_eps / r_w;
         self.plain = road.v_eps > 0.0 && !p.friction_varies();
     }
 
     /// Load where the wheels turn at `omega_w` [rad/s], V_ε > 0, with its slope: see [`RoadParams::smooth_load`].
     #[inline(always)]
-    pub(crate) fn travel(&mut self, road: &RoadParams, omega_w: f64) -> (f64, f64) {
+    pub(crate) fn travel(&mut self, omega_w: f64) -> (f64, f64) {
         if self.is_fast(omega_w) {
             self.fast_load(omega_w)
         } else {
-            self.travel_slowly(road, omega_w)
+            self.travel_slowly(omega_w)
         }
     }
 
     #[cold]
     #[inline(never)] // most speeds do not need it
-    fn travel_slowly(&mut self, road: &RoadParams, omega_w: f64) -> (f64, f64) {
-        let ratio = self.sharpness * omega_w;
-        (self.ratio, self.direction) = (ratio, self.direction_at(ratio));
-        road.slow_load(omega_w, self, |_| self.direction)
+    fn travel_slowly(&mut self, omega_w: f64) -> (f64, f64) {
+        self.direction = tanh(self.sharpness * omega_w);
+        self.slow_load(omega_w, self.direction)
+    }
+
+    /// Load where tanh of V/V_ε is `direction`.
+    #[inline(always)]
+    fn slow_load(&self, omega_w: f64, direction: f64) -> (f64, f64) {
+        let (flow, slope) = self.flowing(omega_w);
+        let roll_slope = self.roll * (1.0 - direction * direction) * self.sharpness;
+        (flow + self.roll * direction, slope + roll_slope)
     }
 
     /// Whether the rolling resistance has all of its direction.
@@ -265,39 +242,40 @@ impl Grade {
         (settled && fast).then_some(tangent + correction)
     }
 
+    /// The same where they travel slowly and stay near, and one step of Newton's method finds the end.
+    ///
+    /// `here`: what [`Self::travel`] found at `omega_w`.
+    #[inline(always)]
+    pub(crate) fn slow_ramp(
+        &self,
+        omega_w: f64,
+        here: (f64, f64),
+        held: f64,
+        gain: f64,
+        t: f64,
+    ) -> Option<f64> {
+        let rate = here.1 / t; // before `held` is there
+        let (ramp, change) = (rate * held, (1.0 + gain * rate) * held);
+        let turn = self.sharpness * change;
+        let tanh::Fraction { above, below } = tanh::of_sum(self.direction, turn);
+        let (flow, slope) = self.flowing(omega_w + change);
+        // Times `below`, and times its square: so that one division is enough.
+        let missed = (flow - here.0 - ramp * t) * below + self.roll * above;
+        let square = below * below;
+        let slope = slope * square + self.roll * self.sharpness * (square - above * above);
+        let correction = missed * below / (t * square - gain * slope);
+        let moved = gain * correction;
+        let settled = moved * moved * gain.abs() * self.bend < LOAD_LEFT * t;
+        let near = turn.abs() <= NEAR && !self.is_fast(omega_w);
+        (settled && near).then_some(ramp + correction)
+    }
+
     /// Climb and drag [N·m], and the slope of both over ω_w [N·m·s/rad].
     #[inline(always)]
     fn flowing(&self, omega_w: f64) -> (f64, f64) {
         let drag = self.drag * omega_w.abs();
         (self.climb + drag * omega_w, drag + drag)
     }
-
-    /// tanh of V/V_ε at a speed near that of [`Self::travel_slowly`].
-    fn direction_near(&self, ratio: f64) -> f64 {
-        let change = ratio - self.ratio;
-        if change.abs() <= NEAR {
-            tanh_of_sum(self.direction, change)
-        } else {
-            ComplexField::tanh(ratio)
-        }
-    }
-
-    /// tanh of V/V_ε.
-    fn direction_at(&self, ratio: f64) -> f64 {
-        if ratio == self.ratio {
-            self.direction
-        } else {
-            ComplexField::tanh(ratio)
-        }
-    }
-}
-
-/// tanh (a + b) of tanh a and b, |b| ≤ [`NEAR`]: addition theorem with the Padé approximant of tanh b.
-fn tanh_of_sum(tanh_a: f64, b: f64) -> f64 {
-    let square = b * b;
-    let above = b * (945.0 + square * (105.0 + square));
-    let below = 945.0 + square * (420.0 + square * 15.0);
-    (tanh_a * below + above) / (below + tanh_a * above)
 }
 
 /// `value`, with the other sign where `by` is negative.
@@ -313,7 +291,7 @@ pub(crate) fn sign(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Grade;
+    use super::{Grade, LOAD_LEFT, NEAR};
     use crate::Params;
 
     #[test]
@@ -343,22 +321,27 @@ mod tests {
     }
 
     #[test]
-    fn near_a_speed_the_load_is_what_it_is_there() {
+    fn the_ramp_of_a_slow_load_meets_it_at_the_end() {
         let road = Params::TABLE_1.road;
         let mut grade = Grade::NONE.at(&Params::TABLE_1, 0.04);
-        for ratio in [-40.0, -22.05, -3.0, -0.3, 0.0, 0.01, 0.7, 4.0, 21.95, 30.0] {
+        let (t, gain) = (1e-3, -4e-9);
+        for ratio in [-19.0, -3.0, -0.3, 0.0, 0.01, 0.7, 4.0, 19.0] {
             let omega_w = ratio * road.v_eps / road.r_w;
-            let (here, here_slope) = grade.travel(&road, omega_w);
-            let (load, slope) = road.smooth_load(omega_w, &grade);
-            assert!((here - load).abs() < 1e-12 && (here_slope - slope).abs() < 1e-11);
-            for change in [-0.3, -0.1, -0.05, -1e-9, 0.0, 0.02, 0.0999, 5.0] {
-                let omega_w = (ratio + change) * road.v_eps / road.r_w;
-                let (near, near_slope) = road.load_near(omega_w, &grade);
-                let (load, slope) = road.smooth_load(omega_w, &grade);
-                assert!((near - load).abs() < 1e-12, "{ratio} {change}");
-                assert!((near_slope - slope).abs() < 1e-11, "{ratio} {change}");
+            let here = grade.travel(omega_w);
+            for turn in [-0.12, -0.05, -1e-9, 0.0, 0.02, 0.12, 0.13, 5.0_f64] {
+                let held = turn * road.v_eps / road.r_w;
+                let ramp = grade.slow_ramp(omega_w, here, held, gain, t);
+                assert!(ramp.is_some() || turn.abs() > 0.06, "{ratio} {turn}");
+                assert!(ramp.is_none() || turn.abs() < NEAR, "{ratio} {turn}");
+                let Some(ramp) = ramp else { continue };
+                let (end, _) = road.smooth_load(omega_w + held + gain * ramp, &grade);
+                let left = gain * (here.0 + ramp * t - end) / t;
+                assert!(left.abs() < LOAD_LEFT, "{ratio} {turn}: {left} rad/s");
             }
         }
+        let fast = 20.0 * road.v_eps / road.r_w;
+        let here = grade.travel(fast);
+        assert_eq!(grade.slow_ramp(fast, here, 0.0, gain, t), None);
     }
 
     #[test]

@@ -55,7 +55,7 @@ impl Plant {
     ) -> Option<f64> {
         let longest = propagators.longest(set);
         let rung = longest.rung;
-        let here = self.grade.travel(&p.road, self.x[W]);
+        let here = self.grade.travel(self.x[W]);
         let sliding = self.modes[0].slips() || self.modes[1].slips();
         let friction = if sliding {
             let v = torques(p, self.modes, [1.0; 2], 0.0, input.force, 0.0);
@@ -87,8 +87,11 @@ impl Plant {
     #[cold]
     #[inline(never)] // most steps do not need it
     fn slow_ramp(&self, p: &Params, rung: &Rung, here: (f64, f64), held: f64) -> f64 {
-        load_ramp(rung, here, held, |change| {
-            p.road.load_near(self.x[W] + change, &self.grade)
+        let gain = rung.wheel_speed_by_load_ramp();
+        let ramp = self.grade.slow_ramp(self.x[W], here, held, gain, rung.t);
+        ramp.unwrap_or_else(|| {
+            let load = |change| p.road.smooth_load(self.x[W] + change, &self.grade);
+            load_ramp(rung, here, held, load)
         })
     }
 

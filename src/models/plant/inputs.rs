@@ -27,6 +27,8 @@ pub(super) struct Pressed {
     pressure: [f64; 2],
     /// F_n of both clutches [N].
     force: [f64; 2],
+    /// Where their maps were read: behind which points.
+    piece: [usize; 2],
 }
 
 impl Pressed {
@@ -35,6 +37,7 @@ impl Pressed {
         position: [f64::NAN; 2],
         pressure: [f64::NAN; 2],
         force: [0.0; 2],
+        piece: [0; 2],
     };
 
     /// Whether the actuators are where they were.
@@ -52,6 +55,15 @@ impl Pressed {
 }
 
 impl Inputs {
+    /// What moves clutch `i`.
+    #[inline(always)]
+    fn actuation(&self, i: usize) -> Actuation {
+        Actuation {
+            position: self.position[i],
+            pressure: self.pressure[i],
+        }
+    }
+
     /// Whether all of them are zero.
     #[inline(always)]
     pub(super) fn is_zero(&self) -> bool {
@@ -87,12 +99,11 @@ impl Plant {
 
     #[inline(never)] // actuators rest most of the time
     fn press(&mut self) {
-        let (position, pressure) = (self.u.position, self.u.pressure);
-        self.pressed = Pressed {
-            position,
-            pressure,
-            force: force(&self.p, position, pressure),
-        };
+        let (u, was) = (&self.u, &mut self.pressed);
+        (was.position, was.pressure) = (u.position, u.pressure);
+        for i in [0, 1] {
+            was.force[i] = self.p.clutch[i].force_near(u.actuation(i), &mut was.piece[i]);
+        }
     }
 
     /// Rates of the driveline's inputs over a step; the force goes straight to that of its end.
@@ -117,14 +128,10 @@ impl Plant {
 
     /// Change of the driveline's inputs for a change `du` of what the importer sets.
     pub(super) fn input_change(&self, du: &Inputs) -> InputRate {
-        let actuation = |u: &Inputs, i: usize| Actuation {
-            position: u.position[i],
-            pressure: u.pressure[i],
-        };
         InputRate {
             t_e: du.engine_torque,
             force: [0, 1]
-                .map(|i| self.p.clutch[i].force_rate(actuation(&self.u, i), actuation(du, i))),
+                .map(|i| self.p.clutch[i].force_rate(self.u.actuation(i), du.actuation(i))),
             t_brake: du.brake_torque,
             phi: du.grade,
         }
