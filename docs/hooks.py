@@ -24,13 +24,31 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         "reference/cargo.md": cargo(),
         "reference/kpis.md": registry.markdown(),
         "reference/master.md": _text("src/master/README.md"),
-        "reference/variables.md": _text("modelDescription/VARIABLES.md"),
+        "reference/variables.md": variables(),
         "paper.md": _text("PAPER.md"),
     }
     pages |= {f"schema/{p.name}": p.read_text(encoding="utf-8") for p in SCHEMAS.glob("*.json")}
     for uri, content in pages.items():
         files.append(File.generated(config, uri, content=content))
     return files
+
+
+def variables() -> str:
+    """Return the tables of variables without the columns that only importers read."""
+    told = (
+        "Variability, dependencies and value references (vr) stand in "
+        "`modelDescription/VARIABLES.md`, and in `documentation/index.html` of each FMU.\n"
+    )
+    lines = _text("modelDescription/VARIABLES.md").splitlines()
+    lines = [line.replace(" vr is the value reference.", "") for line in lines]
+    lines = [_shown(line) if line.startswith("|") else line for line in lines]
+    return "\n".join(["---", "hide: [toc]", "---", *lines[:1], "", told, *lines[4:]]) + "\n"
+
+
+def _shown(row: str) -> str:
+    """Return a row of VARIABLES.md: name, causality, type, start, min, max, description."""
+    cells = re.split(r"(?<!\\) \| ", row.strip("| ") if "---" in row else row[2:-2])
+    return f"| {' | '.join(cells[k] for k in (1, 2, 4, 5, 6, 7, 9))} |"
 
 
 def _text(name: str) -> str:

@@ -62,11 +62,14 @@ def shares(data: StudyData) -> str:
     """Return median, 95 % quantile, worst and share within the limit, per method and torque."""
     head, rows = ["method"], dict[str, list[str]]()
     for shown in data.shown:
-        head += [f"{shown.signal}: median / 95 % / worst [{shown.kpi.unit}]", f"≤ {shown.limit:g}"]
+        head += [
+            f"{shown.signal}: median / 95 % / worst [{shown.kpi.unit}]",
+            f"≤\u00a0{shown.limit:g}\u00a0%",
+        ]
         for s in shown.series:
             told = summary(shown, s)
             spread = " / ".join(number(told[key], 3) for key in ("median", "high", "worst"))
-            cells = [spread, f"{_percent(told['share'])} %"]
+            cells = [spread, f"{_percent(told['share'])}\u00a0%"]
             rows.setdefault(s.label, []).extend(cells)
     return table(head, [[name, *cells] for name, cells in rows.items()])
 

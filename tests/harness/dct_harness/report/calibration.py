@@ -24,7 +24,7 @@ LEARNT = (
     ("dampingError", "drive-shaft damping γ", "%", 100.0),
     ("gearboxInertiaError", "gearbox inertia λ", "%", 100.0),
     ("vehicleInertiaError", "vehicle inertia ν", "%", 100.0),
-    ("vehicleMass", "vehicle mass M_v", "kg", 1.0),
+    ("vehicleMass", "vehicle mass M<sub>v</sub>", "kg", 1.0),
 )
 # Parameters whose sum, plant's over observer's, less 1 is what there is to be learnt.
 INJECTED = {

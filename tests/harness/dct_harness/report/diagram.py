@@ -20,8 +20,9 @@ Json = dict[str, Any]
 
 
 def unit(run: Json, signal: str) -> str:
-    """Return the unit that the FMUs give a signal, or an empty string."""
-    return run.get("signals", {}).get(signal, {}).get("unit", "")
+    """Return the unit that the FMUs give a signal, as it is printed, or an empty string."""
+    found: str = run.get("signals", {}).get(signal, {}).get("unit", "")
+    return found.replace(".", "·")
 
 
 def layout(run: Json) -> Json:
@@ -53,7 +54,7 @@ def layout(run: Json) -> Json:
     return {
         "boxes": boxes, "edges": edges, "loops": coupling.get("loops", []),
         "order": coupling.get("order", "gauss-seidel"), "width": width,
-        "height": middle + half + round(1.125 * ARC * below) + MARGIN + (20 if below else 0),
+        "height": middle + half + round(1.125 * ARC * below) + MARGIN,
     }  # fmt: skip
 
 
@@ -163,7 +164,7 @@ def _path(ends: tuple[int, int], line: tuple[int, int]) -> Json:
     shift = 0.28 * BOX[0] * (1 if a < b else -1)
     x0, x1 = (20 + k * pitch + BOX[0] / 2 for k in (a, b))
     x0, x1 = x0 + shift, x1 - shift
-    deep = 1.5 if side > 0 else 1.0  # below, there is text inside of arcs
+    deep = 1.5 if side > 0 else 1.0  # below, text stands inside of arcs: outside another may pass
     start, lift = middle + side * half, side * deep * ARC * max(abs(b - a), 1)
     path = f"M{x0:g},{start} C{x0:g},{start + lift} {x1:g},{start + lift} {x1:g},{start + side * 7}"
-    return {"path": path, "x": (x0 + x1) / 2, "y": start + 0.75 * lift - (8 if side < 0 else -17)}
+    return {"path": path, "x": (x0 + x1) / 2, "y": start + 0.75 * lift - (8 if side < 0 else 26)}
