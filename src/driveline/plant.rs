@@ -69,6 +69,7 @@
 
 mod block;
 mod brake;
+mod course;
 mod friction;
 mod gear;
 mod late;
@@ -83,19 +84,14 @@ mod tangent;
 mod tie;
 
 use crate::Params;
-use crate::integrate::Ladders;
-use crate::integrate::{LADDER, Rung, TICKS, level, ticks};
+use crate::integrate::{Ladders, Rung};
 use crate::matrices::{C, D, E, O, STATES, State, Systems, Torques, W, slip};
 use crate::plant::block::Block;
-use crate::plant::friction::longest_varying;
 use crate::plant::mesh::Meshes;
-use crate::plant::modes::{Crossing, Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
+use crate::plant::modes::{Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant::ports::{ClutchState, Input, InputRate, Output, Work};
 use crate::shaft::Grade;
 use crate::thermal::Thermal;
-
-/// Events one step may hold; beyond them its rest is one smooth piece.
-const MAX_EVENTS: u32 = 32;
 
 /// Everything a run carries from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -207,83 +203,6 @@ impl Plant {
     ) {
         if !rate.is_held() || self.step_plainly(p, ladders, input).is_none() {
             self.step_in_blocks(p, ladders, input, rate, &mut report);
-        }
-    }
-
-    /// Like [`Self::step_observed`], for a step that [`Self::step_plainly`] does not take: it may hold events.
-    #[cold]
-    #[inline(never)] // the ordinary step need not have its stack
-    pub fn step_in_blocks(
-        &mut self,
-        p: &Params,
-        ladders: &mut impl Ladders,
-        input: &Input,
-        rate: &InputRate,
-        report: &mut impl FnMut(f64, [Mode; 6], [Mode; 6]),
-    ) {
-        if self.meshes != Meshes::IDEAL && self.step_in_meshes(p, ladders, input, rate) {
-            return;
-        }
-        let (curves, mut place) = (p.friction_varies(), None);
-        let p = p.with_static_friction(&mut place, self.temperature);
-        let (mut now, mut rate) = (input.after(rate, 0.0), *rate);
-        let (mut done, mut piece, mut events) = (0, 0, 0);
-        let mut cap = LADDER;
-        let before = self.all_modes();
-        self.grade.become_of(p, now.phi);
-        self.change_gears(p, &now, &rate);
-        self.resolve_all(p, ladders, &now, &rate, &Event::default());
-        report(0.0, before, self.all_modes());
-        while done < TICKS {
-            let propagators = ladders.of(p, self.coupling());
-            let varies = curves && self.modes.map(Mode::direction) != [0.0; 2];
-            let longest = if varies {
-                longest_varying(propagators.h)
-            } else {
-                LADDER
-            };
-            let level = level(done - piece, TICKS - done).min(cap).min(longest);
-            let rung = propagators.rung(stuck_set(self.modes), level);
-            let (block, settled) = Block::over(p, self, rung, &now, &rate, varies);
-            if !settled && level > 0 {
-                cap = level - 1;
-                continue;
-            }
-            let systems = &propagators.systems;
-            let rows = &systems.by_stuck[stuck_set(self.modes)].rows;
-            let (mut crossing, mut event) =
-                if block.is_quiet(p, rows, self) && self.meshes == Meshes::IDEAL {
-                    (Crossing::None, Event::default())
-                } else {
-                    block.events(p, systems, self)
-                };
-            if crossing != Crossing::None && level > 0 && events < MAX_EVENTS {
-                cap = level - 1;
-                continue;
-            }
-            let (h, strained) = (propagators.h, self.is_strained(p).then_some(*self));
-            self.accept(p, &propagators.systems, rung, &block);
-            if let Some(was) = strained
-                && events < MAX_EVENTS
-                && self.may_leave(p, ladders, &block, &rate)
-            {
-                if level > 0 {
-                    (*self, cap) = (was, level - 1);
-                    continue;
-                }
-                (crossing, event.mesh) = (Crossing::Found, true);
-            }
-            (now, cap, done) = (block.input_end, LADDER, done + ticks(level));
-            if crossing != Crossing::None && !event.is_none() && events < MAX_EVENTS {
-                for i in (0..2).filter(|i| event.opened[*i]) {
-                    (now.force[i], rate.force[i]) = (0.0, 0.0);
-                }
-                let before = self.all_modes();
-                let after = h * f64::from(done) / f64::from(TICKS);
-                self.change_modes(p, ladders, (&now, &rate), &event, &block);
-                report(after, before, self.all_modes());
-                (piece, events) = (done, events + 1);
-            }
         }
     }
 

@@ -157,6 +157,17 @@ impl Block {
             })
     }
 
+    /// The worst crossing of any guard, and the events found at the end: after a quick look, or a close one.
+    #[inline(always)]
+    pub(crate) fn look(&self, p: &Params, systems: &Systems, plant: &Plant) -> (Crossing, Event) {
+        let rows = &systems.by_stuck[stuck_set(plant.modes)].rows;
+        if self.is_quiet(p, rows, plant) && plant.meshes == Meshes::IDEAL {
+            (Crossing::None, Event::default())
+        } else {
+            self.events(p, systems, plant)
+        }
+    }
+
     /// State and torques at `t` = 0 or at the end [s].
     pub(crate) fn at(&self, t: f64) -> (State, Torques) {
         let x = if t > 0.0 { self.x_end } else { self.start.x };
