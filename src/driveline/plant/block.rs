@@ -259,12 +259,10 @@ impl Block {
         plant: &Plant,
         t: f64,
     ) -> [[Guard; 2]; 3] {
-        let (modes, brake) = (plant.modes, plant.brake);
-        let system = &systems.by_stuck[stuck_set(modes)];
-        let (v_dot, (x, v)) = (self.torques_rate(), self.at(t));
-        let rows = &system.rows;
+        let system = &systems.by_stuck[stuck_set(plant.modes)];
+        let (x, v) = self.at(t);
         let mut guards = [[Guard::QUIET; 2]; 3];
-        if brake != Mode::Open {
+        if plant.brake != Mode::Open {
             let input = if t > 0.0 {
                 &self.input_end
             } else {
@@ -272,37 +270,44 @@ impl Block {
             };
             let grade = self.grade_end.at(p, input.phi);
             let x_dot = system.derivative(&x, &v);
-            guards[BRAKE] = brake::guards(p, &grade, brake, &x, &x_dot, input, &self.rate);
+            guards[BRAKE] = brake::guards(p, &grade, plant.brake, &x, &x_dot, input, &self.rate);
         }
         for i in [0, 1] {
-            let force = (
-                self.input.force[i] + self.rate.force[i] * t,
-                self.rate.force[i],
-            );
-            let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n;
-            guards[i] = match modes[i] {
+            guards[i] = match plant.modes[i] {
                 Mode::Open if plant.synchroniser[i] == Mode::Open => continue,
                 Mode::Open => {
                     let x_dot = system.derivative(&x, &v);
                     let ratio = systems.synchroniser_ratio[i];
                     [plant.synchroniser_guard(i, ratio, &x, &x_dot), Guard::QUIET]
                 }
-                Mode::Stuck => {
-                    let torque = rows.torque[i].of(&x, &v);
-                    let rate = rows.torque_rate[i].of(&x, &v) + rows.torque[i].of_torques(&v_dot);
-                    [-1.0, 1.0].map(|sign| weighted(reach, force, sign, (torque, rate)))
-                }
-                sliding => {
-                    let direction = sliding.direction();
-                    let slip = (slip(&x)[i], rows.slip_rate[i].of(&x, &v));
-                    [
-                        weighted(0.0, force, direction, slip),
-                        weighted(1.0, force, 0.0, slip),
-                    ]
-                }
+                mode => self.clutch_guards(p, &system.rows, (i, mode), t, (&x, &v)),
             };
         }
         guards
+    }
+
+    /// Guards of a clutch with a normal force: slip in its direction and the force, or capacity left both ways.
+    fn clutch_guards(
+        &self,
+        p: &Params,
+        rows: &Rows,
+        (i, mode): (usize, Mode),
+        t: f64,
+        (x, v): (&State, &Torques),
+    ) -> [Guard; 2] {
+        let rate = self.rate.force[i];
+        let force = (self.input.force[i] + rate * t, rate);
+        if mode == Mode::Stuck {
+            let reach = p.clutch[i].mu_s * p.clutch[i].r_c_n;
+            let ramp = rows.torque[i].of_torques(&self.torques_rate());
+            let torque = (rows.torque[i].of(x, v), rows.torque_rate[i].of(x, v) + ramp);
+            return [-1.0, 1.0].map(|sign| weighted(reach, force, sign, torque));
+        }
+        let slip = (slip(x)[i], rows.slip_rate[i].of(x, v));
+        [
+            weighted(0.0, force, mode.direction(), slip),
+            weighted(1.0, force, 0.0, slip),
+        ]
     }
 }
 

@@ -2,10 +2,9 @@
 
 use crate::Params;
 use crate::matrices::springs::drive_shaft_torque;
-use crate::matrices::{C, D, E, O, State, Systems, TWIST_D, W};
+use crate::matrices::{C, D, E, O, State, Systems, TWIST_D, Torques, W};
 use crate::plant::Plant;
 use crate::plant::block::torques;
-use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Mode, stuck_set};
 use crate::plant::ports::{ClutchState, Input, Output};
 
@@ -51,33 +50,15 @@ impl Plant {
             [1.0; 2]
         };
         let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
-        let synchronising = self.synchroniser != [Mode::Open; 2];
-        let v = if synchronising {
+        let v = if self.synchroniser != [Mode::Open; 2] {
             self.with_synchronisers(p, v)
         } else {
             v
         };
-        let system = &systems.by_stuck[stuck_set(self.modes)];
-        let mut t_c = [0, 1].map(|i| match self.modes[i] {
-            Mode::Stuck => system.rows.torque[i].of(x, &v),
-            Mode::Open => 0.0,
-            _ => v[1 + i],
-        });
+        let (t_c, t_t) = self.passed_torques(p, systems, input, &v);
         let slip = self.slip();
         let t_d = p.k_d * x[TWIST_D] + p.c_d * (x[E] - x[D]);
         let t_o = drive_shaft_torque(p, x);
-        let mut t_t = [1, 2].map(|j| systems.spring_torque_of(j, x));
-        if systems.rigid_ratio != [0.0; 2] {
-            let mesh = &system.rows.mesh;
-            t_t = [0, 1].map(|i| mesh[i].of(x, &v) / p.i_f[i]);
-            if self.meshes == Meshes::JAMMED && self.is_tied(p) {
-                t_c = self.shared(p, input, t_c);
-                t_t = [0, 1].map(|i| p.i_t(i, self.gear[i]) * t_c[i]);
-            }
-        }
-        for i in (0..2).filter(|i| synchronising && self.synchroniser[*i] != Mode::Open) {
-            t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
-        }
         let omega_w_dot = if held { 0.0 } else { (t_o - t_v) / p.j_v };
         *y = Output {
             omega_e: x[E],
@@ -110,6 +91,40 @@ impl Plant {
             energy_residual: self.energy_residual(systems),
         };
     }
+
+    /// T_c1, T_c2 and T_t1, T_t2 [N·m], shape (2) each.
+    #[inline(always)]
+    fn passed_torques(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        input: &Input,
+        v: &Torques,
+    ) -> ([f64; 2], [f64; 2]) {
+        let x = &self.x;
+        let system = &systems.by_stuck[stuck_set(self.modes)];
+        let mut t_c = [0, 1].map(|i| match self.modes[i] {
+            Mode::Stuck => system.rows.torque[i].of(x, v),
+            Mode::Open => 0.0,
+            _ => v[1 + i],
+        });
+        let mut t_t = [1, 2].map(|j| systems.spring_torque_of(j, x));
+        if systems.rigid_ratio != [0.0; 2] {
+            let mesh = &system.rows.mesh;
+            t_t = [0, 1].map(|i| mesh[i].of(x, v) / p.i_f[i]);
+            if self.is_strained(p) {
+                t_c = self.shared(p, input, t_c);
+                t_t = [0, 1].map(|i| p.i_t(i, self.gear[i]) * t_c[i]);
+            }
+        }
+        if self.synchroniser != [Mode::Open; 2] {
+            for i in (0..2).filter(|i| self.synchroniser[*i] != Mode::Open) {
+                t_t[i] = p.i_t(i, self.gear[i]) * v[1 + i];
+            }
+        }
+        (t_c, t_t)
+    }
+
     /// T_v of (11) with the brake [N·m] while the wheels turn.
     #[inline(always)]
     fn load_torque(&self, p: &Params, input: &Input) -> f64 {
