@@ -18,11 +18,9 @@ mod bench;
 use bench::sensors::{
     delayed, dropping, encoder, noisy, perfect, torque_error, torque_offset, wheel_bias,
 };
-use bench::{Drive, faded, observe, scenarios};
+use bench::{Drive, after, calibrated, faded, observe, scenarios};
 use dct_driveline::Params;
-use dct_driveline::observer::calibrating::Gains;
-use dct_driveline::observer::prior::Prior;
-use dct_driveline::observer::{Estimate, Method, Sample, Selected, Settings};
+use dct_driveline::observer::{Method, Sample, Selected, Settings};
 
 /// Communication step [s].
 const H: f64 = 1e-3;
@@ -145,18 +143,6 @@ fn print_drives() {
     }
 }
 
-/// RMSE of `calibrating` [% of RMS] as a cell, and what it said last.
-fn calibrated(
-    drive: &Drive,
-    settings: &Settings,
-    sensors: fn(Sample) -> Sample,
-) -> (String, Estimate) {
-    let (mut observer, mut last) = (Selected::new(Method::Calibrating), Estimate::default());
-    let each = |_: &_, estimate: &Estimate| last = *estimate;
-    let score = observe(drive, &mut observer, &drive.p, settings, sensors, each);
-    (score.percent().map(rounded).join("/"), last)
-}
-
 /// An error of T_e where nothing shows its offset, and after a drive that did.
 fn print_carried() {
     let (_, learnt) = calibrated(
@@ -164,25 +150,22 @@ fn print_carried() {
         &Settings::CASE_1,
         torque_error,
     );
-    let carried = Settings {
-        mu_n: learnt.friction,
-        calibrating: Gains {
-            prior: Prior(learnt.calibration.value),
-            sigma: learnt.calibration.deviation,
-            ..Gains::DEFAULT
-        },
-        ..Settings::CASE_1
-    };
     println!(
         "\n| calibrating | T_e +5 % +2 N·m | T_e +2 N·m alone | +5 % +2 N·m, calibrated before |"
     );
     println!("| --- | --- | --- | --- |");
     for scenario in [scenarios::tip_in_tip_out(), scenarios::kick_down()] {
         let drive = scenario.drive(H);
-        let (fresh, _) = calibrated(&drive, &Settings::CASE_1, torque_error);
-        let (offset, _) = calibrated(&drive, &Settings::CASE_1, torque_offset);
-        let (second, _) = calibrated(&drive, &carried, torque_error);
-        println!("| {} | {fresh} | {offset} | {second} |", drive.name);
+        let cell = |settings: &Settings, sensors: fn(Sample) -> Sample| {
+            let (percent, _) = calibrated(&drive, settings, sensors);
+            percent.map(rounded).join("/")
+        };
+        let cells = [
+            cell(&Settings::CASE_1, torque_error),
+            cell(&Settings::CASE_1, torque_offset),
+            cell(&after(&learnt), torque_error),
+        ];
+        println!("| {} | {} |", drive.name, cells.join(" | "));
     }
 }
 

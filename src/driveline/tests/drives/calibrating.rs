@@ -1,10 +1,8 @@
 //! The method `calibrating` under errors of its own parameters and sensors, on scenarios no gain was tuned on.
 
 use crate::bench::sensors::{noisy, perfect, torque_error, torque_offset, wheel_bias};
-use crate::bench::{Drive, observe, scenarios};
+use crate::bench::{Drive, after, calibrated, observe, scenarios};
 use dct_driveline::Params;
-use dct_driveline::observer::calibrating::Gains;
-use dct_driveline::observer::prior::Prior;
 use dct_driveline::observer::{Calibration, Estimate, Method, Sample, Selected, Settings};
 
 const H: f64 = 1e-3;
@@ -187,19 +185,6 @@ fn launch(drive: &Drive, settings: &Settings) -> (f64, Estimate) {
     (square.sqrt(), last)
 }
 
-/// Settings of a drive that starts with what another has learnt.
-fn after(learnt: &Estimate) -> Settings {
-    Settings {
-        mu_n: learnt.friction,
-        calibrating: Gains {
-            prior: Prior(learnt.calibration.value),
-            sigma: learnt.calibration.deviation,
-            ..Gains::DEFAULT
-        },
-        ..Settings::CASE_1
-    }
-}
-
 /// Errors of T_e, J_e and k_o at once; the second drive starts where the first one ended.
 #[test]
 fn a_second_drive_starts_with_what_the_first_has_learnt() {
@@ -214,20 +199,14 @@ fn a_second_drive_starts_with_what_the_first_has_learnt() {
 /// its offset does alone, 4 % of T_c2 in tip-in; a calibration from a drive with an idle phase has it.
 #[test]
 fn what_an_engaged_clutch_hides_is_known_from_a_drive_before() {
-    let run = |drive: &Drive, settings: &Settings, sensors: fn(Sample) -> Sample| {
-        let (mut observer, mut last) = (Selected::new(Method::Calibrating), Estimate::default());
-        let each = |_: &_, estimate: &Estimate| last = *estimate;
-        let score = observe(drive, &mut observer, &drive.p, settings, sensors, each);
-        (score.percent(), last)
-    };
     let fresh = Settings::CASE_1;
-    let (_, learnt) = run(&scenarios::paper().drive(H), &fresh, torque_error);
+    let (_, learnt) = calibrated(&scenarios::paper().drive(H), &fresh, torque_error);
     for scenario in [scenarios::tip_in_tip_out(), scenarios::kick_down()] {
         let drive = scenario.drive(H);
         let [(alone, _), (offset, _), (carried, _)] = [
-            run(&drive, &fresh, torque_error),
-            run(&drive, &fresh, torque_offset),
-            run(&drive, &after(&learnt), torque_error),
+            calibrated(&drive, &fresh, torque_error),
+            calibrated(&drive, &fresh, torque_offset),
+            calibrated(&drive, &after(&learnt), torque_error),
         ];
         println!("{}: {alone:.1?}, {offset:.1?}, {carried:.1?} %", drive.name);
         let within = (0..3).all(|k| carried[k] <= LIMITS[k]);

@@ -8,7 +8,9 @@ pub mod wet;
 
 use dct_driveline::Params;
 use dct_driveline::integrate::Propagators;
-use dct_driveline::observer::{Estimate, Observer, Sample, Settings};
+use dct_driveline::observer::calibrating::Gains;
+use dct_driveline::observer::prior::Prior;
+use dct_driveline::observer::{Estimate, Method, Observer, Sample, Selected, Settings};
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{Input, InputRate, Output, Plant};
 
@@ -192,4 +194,29 @@ pub fn observe(
         each(moment, &estimate);
     }
     score
+}
+
+/// Runs `calibrating` with true parameters along a drive: RMSE in % of the RMS torque, shape (3), and what it said last.
+pub fn calibrated(
+    drive: &Drive,
+    settings: &Settings,
+    sensors: fn(Sample) -> Sample,
+) -> ([f64; 3], Estimate) {
+    let (mut observer, mut last) = (Selected::new(Method::Calibrating), Estimate::default());
+    let each = |_: &_, estimate: &Estimate| last = *estimate;
+    let score = observe(drive, &mut observer, &drive.p, settings, sensors, each);
+    (score.percent(), last)
+}
+
+/// Settings of a drive that starts with what another has learnt.
+pub fn after(learnt: &Estimate) -> Settings {
+    Settings {
+        mu_n: learnt.friction,
+        calibrating: Gains {
+            prior: Prior(learnt.calibration.value),
+            sigma: learnt.calibration.deviation,
+            ..Gains::DEFAULT
+        },
+        ..Settings::CASE_1
+    }
 }
