@@ -126,7 +126,23 @@ pub enum Error {
         /// The line, counted from 1.
         line: usize,
         /// What is wrong with it.
-        what: &'static str,
+        what: String,
+    },
+    /// A communication step that does not advance, or more of them than anybody waits for.
+    Step {
+        /// The step [s].
+        step: f64,
+        /// First and last time of the run [s].
+        times: (f64, f64),
+    },
+    /// A table gives an Integer a value that is none.
+    NotWhole {
+        /// Name of the variable.
+        variable: String,
+        /// The value.
+        value: f64,
+        /// Time of the communication point [s].
+        time: f64,
     },
     /// `cargo metadata` failed or said what is not understood.
     Metadata {
@@ -242,6 +258,21 @@ impl fmt::Display for Error {
             Self::Stimuli { path, line, what } => {
                 write!(f, "{}, line {line}: {what}", path.display())
             }
+            Self::Step {
+                step,
+                times: (start, stop),
+            } => write!(
+                f,
+                "steps of {step} s do not lead from {start} s to {stop} s; choose a longer step, above 0"
+            ),
+            Self::NotWhole {
+                variable,
+                value,
+                time,
+            } => write!(
+                f,
+                "{variable} = {value} at t = {time} s: it is an Integer, so give it a whole number of 32 bits"
+            ),
             Self::Metadata { said } => write!(f, "`cargo metadata` failed: {}", said.trim_end()),
             Self::Epoch { value } => write!(
                 f,

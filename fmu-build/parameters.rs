@@ -2,7 +2,7 @@
 //! the models and read back into them.
 
 use crate::description::{finite, used};
-use crate::drive::whole;
+use crate::drive::{is_whole, whole};
 use crate::library;
 use crate::xml::Element;
 use crate::{Error, Result};
@@ -120,6 +120,9 @@ pub(crate) fn given<M: Model>(name: &str, values: Values<'_>) -> Result<String> 
             Access::Real(field) => *field(&mut model) = *value,
             Access::Boolean(field) => *field(&mut model) = *value != 0.0,
             Access::Integer(field) | Access::Enumeration(field, _) => {
+                if !is_whole(*value) {
+                    return Err(refused(format!("{name} = {value} is no Integer")));
+                }
                 *field(&mut model) = whole(*value);
             }
         }

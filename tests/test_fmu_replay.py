@@ -76,4 +76,4 @@ def test_a_table_that_goes_back_in_time_is_refused(tmp_path: Path) -> None:
     stimuli.write_text("time,engine.torque\n1,0\n0,0\n", encoding="utf-8")
     done = _replay(stimuli, tmp_path / "out.csv")
     assert done.returncode == 1
-    assert "in.csv, line 3: the time does not increase" in done.stderr
+    assert "in.csv, line 3: the time 0 s does not increase" in done.stderr

@@ -17,7 +17,7 @@ pub(crate) use model::Driven;
 pub(crate) use recorded::{Calls, Recorded};
 pub(crate) use stimuli::Stimuli;
 
-use crate::Result;
+use crate::{Error, Result};
 use std::fmt::Write as _;
 use stimuli::Column;
 use wiring::{Wire, wires};
@@ -105,6 +105,10 @@ impl<'a> Loop<'a> {
         see: &mut dyn FnMut(f64, &mut Self) -> Result<()>,
     ) -> Result<()> {
         let (start, stop) = self.times;
+        let times = self.times;
+        if !(step > 0.0 && (stop - start) / step < f64::from(u32::MAX)) {
+            return Err(Error::Step { step, times });
+        }
         self.give(start, &[Role::Input, Role::Parameter])?;
         for part in &mut self.parts {
             part.initialize(start)?;
@@ -141,6 +145,14 @@ impl<'a> Loop<'a> {
                 Kind::Real => given.column.at(time),
                 Kind::Integer | Kind::Boolean => given.column.kept(time),
             };
+            if given.place.kind == Kind::Integer && !is_whole(value) {
+                let variable = given.column.name.to_owned();
+                return Err(Error::NotWhole {
+                    variable,
+                    value,
+                    time,
+                });
+            }
             self.parts[given.at].set(given.place, value)?;
         }
         Ok(())
@@ -238,7 +250,12 @@ pub(crate) fn table<'a>(
     Ok(text)
 }
 
-/// The whole number nearest to a value.
+/// Whether an Integer may have a value.
+pub(crate) fn is_whole(value: f64) -> bool {
+    (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value) && value % 1.0 == 0.0
+}
+
+/// A value that [`is_whole`] as an Integer.
 pub(crate) fn whole(value: f64) -> i32 {
     format!("{value:.0}").parse().unwrap_or_default()
 }
@@ -248,5 +265,42 @@ pub(crate) fn shown(kind: Kind, value: f64) -> String {
     match kind {
         Kind::Real => format!("{value:?}"),
         Kind::Integer | Kind::Boolean => format!("{value:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Driven, Stimuli, table};
+    use dct_models::Plant;
+
+    fn refused(inputs: &str, step: f64) -> String {
+        let stimuli = Stimuli::parse(inputs).unwrap();
+        let parts = vec![Driven::<Plant>::boxed()];
+        let names = ["DctPlant".to_owned()];
+        let done = table(parts, &names, &stimuli, step, 1);
+        done.err().map(|error| error.to_string()).unwrap()
+    }
+
+    #[test]
+    fn a_step_that_leads_nowhere_is_refused() {
+        for step in [0.0, -0.01, f64::NAN, 1e-12] {
+            let told = refused("time,engine.torque\n0,60\n1,60\n", step);
+            assert!(
+                told.starts_with(&format!("steps of {step} s do not lead from 0 s to 1 s")),
+                "{told}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_integer_gets_whole_numbers_only() {
+        for gear in ["3e9", "1.5"] {
+            let told = refused(&format!("time,shaft1.gear\n0,1\n0.02,{gear}\n1,1\n"), 0.01);
+            let value: f64 = gear.parse().unwrap();
+            assert!(
+                told.starts_with(&format!("shaft1.gear = {value} at t = 0.02 s")),
+                "{told}"
+            );
+        }
     }
 }

@@ -12,6 +12,7 @@ pub(crate) struct Stimuli {
 
 /// One column with the times of its rows.
 pub(crate) struct Column<'a> {
+    pub(crate) name: &'a str,
     rows: &'a [Vec<f64>],
     index: usize,
 }
@@ -30,31 +31,36 @@ impl Stimuli {
     }
 
     /// From the text of a CSV file; an error has its line.
-    pub(crate) fn parse(text: &str) -> std::result::Result<Self, (usize, &'static str)> {
+    pub(crate) fn parse(text: &str) -> std::result::Result<Self, (usize, String)> {
         let mut lines = text.lines();
-        let heading = lines.next().unwrap_or_default().split(',');
+        let heading = lines.next().unwrap_or_default();
+        let heading = heading.trim_start_matches('\u{feff}').split(',');
         let names: Vec<_> = heading
             .map(|name| name.trim().trim_matches('"').to_owned())
             .collect();
         if names[0] != "time" {
-            return Err((1, "the first column must be called time"));
+            return Err((1, "the first column must be called time".into()));
         }
         let mut rows: Vec<Vec<f64>> = Vec::new();
         for (line, text) in (2..).zip(lines).filter(|(_, text)| !text.trim().is_empty()) {
+            let wrong = |what: String| (line, what);
             let numbers = text.split(',').map(|cell| number(cell.trim()));
             let row: Vec<f64> = numbers
-                .collect::<Option<_>>()
-                .ok_or((line, "not a number"))?;
+                .collect::<std::result::Result<_, _>>()
+                .map_err(wrong)?;
             if row.len() != names.len() {
-                return Err((line, "the row has another length than the heading"));
+                let (found, wanted) = (row.len(), names.len());
+                return Err(wrong(format!(
+                    "{found} numbers, the heading has {wanted} names"
+                )));
             }
             if rows.last().is_some_and(|last| last[0] >= row[0]) {
-                return Err((line, "the time does not increase"));
+                return Err(wrong(format!("the time {} s does not increase", row[0])));
             }
             rows.push(row);
         }
         if rows.is_empty() {
-            return Err((2, "there is no row"));
+            return Err((2, "there is no row".into()));
         }
         Ok(Self { names, rows })
     }
@@ -67,17 +73,21 @@ impl Stimuli {
     pub(crate) fn column(&self, name: &str) -> Option<Column<'_>> {
         let index = self.names.iter().skip(1).position(|other| other == name)? + 1;
         Some(Column {
+            name: &self.names[index],
             rows: &self.rows,
             index,
         })
     }
 }
 
-fn number(cell: &str) -> Option<f64> {
+fn number(cell: &str) -> std::result::Result<f64, String> {
     match cell {
-        "true" => Some(1.0),
-        "false" => Some(0.0),
-        other => other.parse().ok().filter(|value: &f64| value.is_finite()),
+        "true" => Ok(1.0),
+        "false" => Ok(0.0),
+        other => {
+            let finite = other.parse().ok().filter(|value: &f64| value.is_finite());
+            finite.ok_or_else(|| format!("{other:?} is no finite number"))
+        }
     }
 }
 
@@ -128,14 +138,17 @@ mod tests {
 
     #[test]
     fn faults_are_named_with_their_line() {
-        for (text, line) in [
-            ("t,a\n0,1\n", 1),
-            ("time,a\n", 2),
-            ("time,a\n0,x\n", 2),
-            ("time,a\n0,1\n1\n", 3),
-            ("time,a\n0,1\n0,1\n", 3),
+        for (text, line, what) in [
+            ("t,a\n0,1\n", 1, "called time"),
+            ("time,a\n", 2, "no row"),
+            ("time,a\n0,x\n", 2, "\"x\" is no finite number"),
+            ("time,a\n0,1\n1\n", 3, "1 numbers, the heading has 2 names"),
+            ("time,a\n0,1\n0,1\n", 3, "0 s does not increase"),
         ] {
-            assert_eq!(Stimuli::parse(text).err().unwrap().0, line, "{text}");
+            let (at, told) = Stimuli::parse(text).err().unwrap();
+            assert_eq!(at, line, "{text}");
+            assert!(told.contains(what), "{told}");
         }
+        assert!(Stimuli::parse("\u{feff}time,a\n0,1\n").is_ok());
     }
 }
