@@ -25,6 +25,7 @@ UNITS = {
 LINEAR = ("runs", "steps per second", "instances", "instances, own parameters")
 COLOURS = {"cpu": "#3266ad", "memory": "#3d8c40"}
 SIZE = (11.0, 11.5)  # inches
+ABOVE = 1.1  # of the largest value: where an axis from 0 on ends
 
 
 def _axes(points: Told) -> list[tuple[str, Told]]:
@@ -61,7 +62,7 @@ def _panel(axes: Any, axis: str, points: Told) -> None:
         if axis in LINEAR:
             side.set_yscale("log")
         else:
-            side.set_ylim(bottom=0.0)
+            side.set_ylim(0.0, ABOVE * side.dataLim.ymax)
     axes.set_xscale("log")
     axes.set_xlabel(axis)
     axes.set_ylabel("CPU time [s]")
