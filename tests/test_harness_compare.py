@@ -206,7 +206,7 @@ def test_a_rule_that_matches_nothing_is_noted(
 
 def test_usage_errors_exit_2(pair: tuple[str, str], capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["compare", pair[0], "nowhere"]) == 2
-    assert "no results.csv" in capsys.readouterr().err
+    assert "make it with `dct-harness run`" in capsys.readouterr().err
     with pytest.raises(SystemExit) as caught:
         cli.main(["compare", *pair, "--tube=-1"])
     assert caught.value.code == 2

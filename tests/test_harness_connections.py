@@ -71,6 +71,7 @@ def test_input_without_source_names_the_remedies(tmp_path: Path, lag_library: Pa
     write_fmu(tmp_path / "Lag.fmu", lag_library)
     said = refused(write_system(tmp_path, "1.0", "time,v\n0,1\n"))
     assert "'plant.u' has no source: add a column 'u'" in said
+    assert "A plant with names of its own needs --map" in said
 
 
 def test_equal_name_of_two_components_must_be_chosen(tmp_path: Path, lag_library: Path) -> None:

@@ -13,6 +13,8 @@ from dct_harness.system import scenario
 
 @pytest.mark.parametrize(("text", "said"), [
     ("t,u\n0,1\n", ":1: the first column must be 'time', not 't'"),
+    ("time;u\n0;1\n", ":1: the first column must be 'time', not 'time;u'; columns are "
+     "separated by commas (`dct-harness convert` reads others)"),
     ("time,u,u\n0,1,2\n", ":1: column name 'u' is empty or used twice"),
     ("time,,u\n0,1,2\n", ":1: column name '' is empty or used twice"),
     ("time,u\n0,1\n1,one\n", ":3: column 'u': 'one' is not a finite number"),

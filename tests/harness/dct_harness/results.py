@@ -102,7 +102,8 @@ def find(directory: Path) -> Path:
     """
     found = [p for s in formats.SUFFIXES if (p := directory / f"results{s}").is_file()]
     if not found:
-        raise ConfigError(f"{directory}: no {RESULTS_CSV}; make it with `dct-harness run`")
+        what = f"no {RESULTS_CSV}" if directory.is_dir() else "there is no such directory"
+        raise ConfigError(f"{directory}: {what}; make it with `dct-harness run`")
     if len(found) > 1:
         names = ", ".join(path.name for path in found)
         raise ConfigError(f"{directory}: holds {names}; keep the one to read")

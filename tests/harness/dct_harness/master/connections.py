@@ -12,6 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..contract import plant as plant_contract
 from ..errors import ConfigError, did_you_mean
 from ..fmu.fmu import Fmu
 from ..fmu.values import group_of
@@ -63,9 +64,17 @@ def _source(
         raise ConfigError(
             f"{what} has no source: add a column '{variable}' to "
             f"{system.scenario}, a [[connections]] entry, or a value under "
-            f"components.{component}.parameters.{did_you_mean(signal, known)}"
+            f"components.{component}.parameters.{_hint(component, variable, known)}"
         )
     return signal
+
+
+def _hint(component: str, variable: str, known: set[str]) -> str:
+    """Return the nearest column of the scenario; of a plant with names of its own what it needs."""
+    if component == "plant" and variable not in plant_contract().variables:
+        return " A plant with names of its own needs --map; `dct-harness map` writes one."
+    columns = (name.removeprefix("scenario.") for name in known if name.startswith("scenario."))
+    return did_you_mean(variable, columns)
 
 
 def types(fmus: Mapping[str, Fmu | Mapped]) -> dict[str, str]:

@@ -55,7 +55,11 @@ def load(path: Path | None) -> Scenario:
 
 def _check_header(path: Path, names: list[str]) -> None:
     if names[0] != "time":
-        raise ConfigError(f"{path}:1: the first column must be 'time', not '{names[0]}'")
+        other = any(sign in names[0] for sign in ";\t")
+        hint = "; columns are separated by commas (`dct-harness convert` reads others)"
+        raise ConfigError(
+            f"{path}:1: the first column must be 'time', not '{names[0]}'{hint if other else ''}"
+        )
     for name in names:
         if not name or names.count(name) > 1:
             raise ConfigError(f"{path}:1: column name '{name}' is empty or used twice")
