@@ -44,7 +44,8 @@ def load(name: str, path: Path, limits: Limits | None = None) -> Fmu:
     limits = limits or Limits()
     if limits.isolate == "none":
         return Fmu(name, path)
-    if is_ours(described(path)) and limits.isolate != "all":
+    description = described(path)  # kept until the FMU has it as well
+    if is_ours(description) and limits.isolate != "all":
         return Fmu(name, path)
     return Isolated(name, path, limits)
 

@@ -155,8 +155,9 @@ class Translation:
         """`outward`: from ours to theirs; names give the order of the vectors."""
         ends = [(k.ours.name, k.theirs.name) if outward else (k.theirs.name, k.ours.name)
                 for k in links]  # fmt: skip
-        self._from = np.array([sources.index(s) for s, _ in ends], dtype=np.intp)
-        self._to = np.array([targets.index(t) for _, t in ends], dtype=np.intp)
+        at, to = ({name: k for k, name in enumerate(names)} for names in (sources, targets))
+        self._from = np.array([at[s] for s, _ in ends], dtype=np.intp)
+        self._to = np.array([to[t] for _, t in ends], dtype=np.intp)
         self._names = ends
         gain, shift = (np.array([getattr(k, f) for k in links]) for f in ("gain", "shift"))
         self._gain: np.ndarray = 1 / gain if outward else gain

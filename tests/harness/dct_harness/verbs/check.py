@@ -40,13 +40,12 @@ def check(args: argparse.Namespace) -> int:
     """
     if args.against:
         return _against(args)
-    from fmpy.validation import validate_fmu
-
+    from ..fmu.faults import faults
     from ..fmu.isolated import load
 
     fmu = load("check", args.fmu)
     fmu.close()
-    problems = validate_fmu(str(args.fmu))
+    problems = faults(fmu.description)
     for text in problems:
         print(text, file=sys.stderr)
     offered = [{"causality": v.causality, "type": v.type, "name": v.name, "unit": unit_of(v)}
