@@ -138,7 +138,10 @@ impl fmt::Display for Error {
                 f,
                 "{}: has no {library}; it has libraries for: {}",
                 path.display(),
-                there.join(", ")
+                match there.as_slice() {
+                    [] => "none".into(),
+                    some => some.join(", "),
+                }
             ),
             Self::Variable { name, what } => write!(f, "'{name}' {what}"),
             Self::Call {

@@ -30,8 +30,9 @@ struct Words {
 enum Verb {
     /// Run a closed loop and write its results as CSV.
     ///
-    /// The numbers are those of `dct-harness run`, to the last bit; KPIs and reports are there. FMUs run inside this process: use FMUs you trust, or `dct-harness run --engine native`,
-    /// which puts others into a process of their own.
+    /// The numbers are those of `dct-harness run`, to the last bit; for KPIs, limits and reports take that.
+    /// FMUs run inside this process: use FMUs you trust, or `dct-harness run --engine native`, which puts
+    /// others into a process of their own.
     #[command(verbatim_doc_comment)]
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunWords),
@@ -58,10 +59,10 @@ const REMEDY: &str = "; another --step may get past this time, else who made the
 struct RunWords {
     /// System file (.toml or .ssp).
     system: PathBuf,
-    /// Communication step [s].
+    /// Communication step [s]; without it that of the file.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     step: Option<f64>,
-    /// End of the run [s].
+    /// End of the run [s]; without it that of the file.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Scenario CSV instead of the file's.
@@ -79,7 +80,7 @@ struct RunWords {
     /// Where FMUs are.
     #[arg(long, value_name = "FOLDER", default_value = "target/fmu")]
     fmu_dir: PathBuf,
-    /// A parameter or start value, COMPONENT.VARIABLE=VALUE.
+    /// A parameter or start value in SI units, COMPONENT.VARIABLE=VALUE; may be said again.
     #[arg(long, value_name = "ASSIGNMENT", value_parser = assignment)]
     set: Vec<(String, String, Value)>,
     /// Inputs with slopes within a step, where the FMU can interpolate.
@@ -88,7 +89,7 @@ struct RunWords {
     /// A signal to keep, COMPONENT.VARIABLE; may be said again. Without it all are kept.
     #[arg(long, value_name = "SIGNAL")]
     record: Vec<String>,
-    /// Longest time of the loop [s of the clock].
+    /// Longest time of the loop [s of the clock]; without it none.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     timeout: Option<f64>,
     /// Results: `time` [s], then `component.variable`.
