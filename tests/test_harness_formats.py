@@ -36,7 +36,7 @@ def table() -> formats.Table:
     """Return six rows with the ends of double precision."""
     values = np.array(EXTREMES)
     rows = np.column_stack([np.arange(6) * 0.001, values, values[::-1], np.ones(6)])
-    return formats.Table([*UNITS, "plant.clutch1.state"], rows, UNITS)
+    return formats.Table([*UNITS, "plant.gain[1,2]"], rows, UNITS)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -75,7 +75,7 @@ def test_a_write_that_breaks_leaves_the_file_before(tmp_path: Path, suffix: str)
     before = path.read_bytes()
     broken = formats.Table(["time", "a"], np.array([["no", "number"]]))
     with pytest.raises((ValueError, TypeError, AttributeError, RuntimeError)):
-        formats.write(path, formats.Table([*broken.names, "b", 3], broken.rows))
+        formats.write(path, formats.Table([*broken.names, "b", "\ud800"], broken.rows))
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 

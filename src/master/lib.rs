@@ -45,6 +45,7 @@
 //! - `import::from_path` unpacks everything: `package` unpacks what a run needs.
 
 mod contract;
+pub mod csv;
 mod derivatives;
 pub mod description;
 mod discard;

@@ -5,7 +5,8 @@ mod ending;
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
 use cosim_master::{
-    Error, Job, Libraries, Live, Mapping, Message, Outcome, Plan, Scenario, System, Told, run_seen,
+    Error, Job, Libraries, Live, Mapping, Message, Outcome, Plan, Scenario, System, Told, csv,
+    run_seen,
 };
 use ending::Ending;
 use std::fmt::Write as _;
@@ -257,7 +258,9 @@ fn tell(log: &Told) {
 /// Writes the rows whole: to a temporary name beside it, then renamed.
 fn write(out: &Path, times: &[f64], outcome: &Outcome) -> Result<(), Error> {
     let width = outcome.names.len().max(1);
-    let mut text = format!("time,{}\n", outcome.names.join(","));
+    let names = outcome.names.iter().map(String::as_str);
+    let mut text = csv::heading(std::iter::once("time").chain(names));
+    text.push('\n');
     for (time, row) in times.iter().zip(outcome.rows.chunks_exact(width)) {
         // Writing to a String cannot fail.
         let _ = write!(text, "{time:?}");

@@ -1,6 +1,6 @@
 //! Scenario CSV: first column `time` [s], then one column per signal (SI units).
 
-use crate::Error;
+use crate::{Error, csv};
 use std::path::{Path, PathBuf};
 
 /// Signals over time.
@@ -54,7 +54,7 @@ impl Scenario {
         let header = lines
             .next()
             .map_or("", |(_, line)| line.trim_start_matches('\u{feff}'));
-        let mut names = header.split(',').map(|name| name.trim().to_owned());
+        let mut names = csv::names(header).into_iter();
         if names.next().as_deref() != Some("time") {
             return Err((1, "the first column must be 'time'".into()));
         }
