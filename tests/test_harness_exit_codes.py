@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import zipfile
 from pathlib import Path
 
 import pytest
+from dct_harness import cli
 from harness_fixture.lag_fmu import harness, run, write_fmu, write_system
 
 
@@ -163,3 +165,17 @@ def test_a_name_with_a_slip_gets_the_one_beside_it(tmp_path: Path) -> None:
     done = harness("run", system.with_name("sytem.toml"), folder=tmp_path)
     assert done.returncode == 2
     assert f"Did you mean '{system.name}'?" in done.stderr
+
+
+def test_a_full_disk_exits_2_and_the_file_is_named(
+    lag_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    run(write_system(tmp_path), lag_dir)
+    monkeypatch.setattr("dct_harness.formats.write", full)
+    target = tmp_path / "copy.csv"
+    assert cli.main(["convert", str(tmp_path / "out"), str(target)]) == 2
+    assert capsys.readouterr().err == f"dct-harness: {target}: No space left on device\n"

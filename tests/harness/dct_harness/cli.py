@@ -65,8 +65,9 @@ def main(argv: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CLOSED_PIPE
     except OSError as error:  # a file that cannot be made, a disk that is full
-        where = f"{error.filename}: " if error.filename else ""
-        print(f"dct-harness: {where}{error.strerror or error}", file=sys.stderr)
+        where = error.filename or getattr(args, "out", None) or getattr(args, "target", None)
+        what = error.strerror or error
+        print(f"dct-harness: {where}: {what}" if where else f"dct-harness: {what}", file=sys.stderr)
         return ConfigError.exit_code
     except KeyboardInterrupt:
         print("dct-harness: interrupted", file=sys.stderr)
