@@ -216,8 +216,12 @@ impl Linker<'_> {
             self.error(name, told, &what)
         })?;
         let factor = told.factor.unwrap_or(1.0);
-        if factor == 0.0 {
-            return Err(self.error(name, told, "factor must not be 0"));
+        if !factor.is_normal() || !told.offset.is_finite() {
+            let what = format!(
+                "factor = {factor} and offset = {} must be finite, and factor not 0",
+                told.offset
+            );
+            return Err(self.error(name, told, &what));
         }
         Ok((factor * a, factor * b + told.offset))
     }

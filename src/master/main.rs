@@ -10,6 +10,7 @@ use cosim_master::{
 };
 use ending::Ending;
 use std::fmt::Write as _;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, mpsc};
@@ -222,7 +223,7 @@ fn made(
     let live = Arc::new(Live::default());
     let (give, take) = mpsc::channel();
     let (seen, watch, points) = (live.clone(), ending.watch.clone(), times.to_vec());
-    thread::spawn(move || {
+    let worker = thread::spawn(move || {
         let job = Job {
             plan,
             times: &points,
@@ -232,6 +233,11 @@ fn made(
         let _ = give.send(run_seen(&job, &mut libraries, &watch, &seen));
     });
     ending.awaited(&take).unwrap_or_else(|| {
+        if !ending.watch.is_ended()
+            && let Err(panic) = worker.join()
+        {
+            resume_unwind(panic);
+        }
         let why = format!("{}{REMEDY}", ending.cause().1);
         live.stuck(times, &why)
     })

@@ -181,6 +181,10 @@ impl Mapping {
                     .iter()
                     .find(|(of, from, _)| *of == name && from == derive);
                 let (_, _, power) = known.ok_or_else(|| self.underived(name))?;
+                if !(radius.is_normal() && *radius > 0.0) {
+                    let what = format!("outputs.{name}: radius = {radius} m must be above 0");
+                    return Err(self.error(what));
+                }
                 vec![(derive.clone(), radius.powf(*power))]
             }
         };

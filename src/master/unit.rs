@@ -18,7 +18,8 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// Reads `<Unit name="…"><BaseUnit …/></Unit>`, with its name; none without a BaseUnit.
+    /// Reads `<Unit name="…"><BaseUnit …/></Unit>`, with its name; none without a BaseUnit that a value can pass
+    /// through both ways.
     pub fn read(node: Node<'_, '_>) -> Option<(String, Self)> {
         let name = node.attribute("name")?.to_owned();
         let base = node.children().find(|node| node.has_tag_name("BaseUnit"))?;
@@ -28,11 +29,15 @@ impl Unit {
         };
         let exponent =
             |base_name: &str| base.attribute(base_name).and_then(|text| text.parse().ok());
+        let (factor, offset) = (number("factor", 1.0)?, number("offset", 0.0)?);
+        if !factor.is_normal() || !offset.is_finite() {
+            return None;
+        }
         let unit = Self {
             name: name.clone(),
             exponents: BASES.map(|base| exponent(base).unwrap_or_default()),
-            factor: number("factor", 1.0)?,
-            offset: number("offset", 0.0)?,
+            factor,
+            offset,
         };
         Some((name, unit))
     }
@@ -103,5 +108,19 @@ mod tests {
             Some((1.0, 0.0))
         );
         assert_eq!(celsius.conversion(&metre), None);
+    }
+
+    #[test]
+    fn a_unit_that_nothing_passes_through_is_none() {
+        for base in [
+            r#"factor="0""#,
+            r#"factor="NaN""#,
+            r#"offset="inf""#,
+            r#"factor="x""#,
+        ] {
+            let xml = format!(r#"<Unit name="u"><BaseUnit m="1" {base}/></Unit>"#);
+            let document = roxmltree::Document::parse(&xml).unwrap();
+            assert_eq!(Unit::read(document.root_element()), None, "{base}");
+        }
     }
 }

@@ -74,7 +74,7 @@ fn a_mapped_plant_agrees_with_fmpy() {
 }
 
 /// What in the mapping is replaced by what; the exit code, and what is told.
-const FAULTS: [(&str, &str, i32, &str); 12] = [
+const FAULTS: [(&str, &str, i32, &str); 14] = [
     ("", "", 0, ""),
     (
         "mot.MInd",
@@ -129,6 +129,18 @@ const FAULTS: [(&str, &str, i32, &str); 12] = [
         "factor = -1, ofset = 0.010",
         2,
         "m.toml:10: needs a variable's name, { variable",
+    ),
+    (
+        "factor = -1, offset = 0.010",
+        "factor = nan, offset = 0.010",
+        2,
+        "factor = NaN and offset = 0.01 must be finite, and factor not 0",
+    ),
+    (
+        "radius = 0.310",
+        "radius = 0",
+        2,
+        "outputs.wheel.speed: radius = 0 m must be above 0",
     ),
     (
         "share = [\"observer\"",
