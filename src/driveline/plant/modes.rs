@@ -52,34 +52,34 @@ impl Mode {
 }
 
 /// The engaged clutches of a pair as a set (bit i: clutch i).
-pub fn stuck_set(modes: [Mode; 2]) -> usize {
+pub(crate) fn stuck_set(modes: [Mode; 2]) -> usize {
     usize::from(modes[0] == Mode::Stuck) | usize::from(modes[1] == Mode::Stuck) << 1
 }
 
 /// What happened to clutches and brake at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Event {
+pub(crate) struct Event {
     /// The slip came to zero, shape (2).
-    pub reached: [bool; 2],
+    pub(crate) reached: [bool; 2],
     /// The torque went beyond what sticks, shape (2).
-    pub broken: [bool; 2],
+    pub(crate) broken: [bool; 2],
     /// The normal force came to zero, shape (2).
-    pub opened: [bool; 2],
+    pub(crate) opened: [bool; 2],
     /// A shaft came to the speed of the gear that it is synchronised to, shape (2).
-    pub synchronised: [bool; 2],
+    pub(crate) synchronised: [bool; 2],
     /// A gear mesh that loses power is unloaded, or the output begins or ends to turn in one.
-    pub mesh: bool,
+    pub(crate) mesh: bool,
     /// The output speed came to zero in meshes that lose power.
-    pub output_reached: bool,
+    pub(crate) output_reached: bool,
     /// The wheel speed came to zero under the brake.
-    pub wheel_reached: bool,
+    pub(crate) wheel_reached: bool,
     /// The torque on held wheels went beyond what the brake holds.
-    pub wheel_broken: bool,
+    pub(crate) wheel_broken: bool,
 }
 
 impl Event {
     /// Whether nothing happened.
-    pub fn is_none(&self) -> bool {
+    pub(crate) fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
@@ -97,16 +97,16 @@ impl Event {
 
 /// A value that must stay ≥ 0, with its rate.
 #[derive(Debug, Clone, Copy)]
-pub struct Guard {
+pub(crate) struct Guard {
     /// Value, in the unit of what is watched.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Rate of the value [1/s].
-    pub rate: f64,
+    pub(crate) rate: f64,
 }
 
 /// What an interval between two guards shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Crossing {
+pub(crate) enum Crossing {
     /// Stayed ≥ 0.
     None,
     /// May have gone below zero and returned: look closer.
@@ -125,7 +125,7 @@ impl Guard {
     /// Compares the guard at both ends of an interval of `t` [s].
     ///
     /// A dip lies above the two end tangents where it is convex, so it is safe when they meet above zero.
-    pub fn crossing(self, end: Self, t: f64) -> Crossing {
+    pub(crate) fn crossing(self, end: Self, t: f64) -> Crossing {
         if end.value < -GUARD_TOLERANCE {
             return Crossing::Found;
         }
@@ -144,20 +144,20 @@ impl Guard {
 
 /// Normal forces and torques at the instant at which modes are chosen.
 #[derive(Debug, Clone, Copy)]
-pub struct Load {
+pub(crate) struct Load {
     /// T_e, what acts in place of open clutches, and T_v with the brake [N·m].
-    pub torques: Torques,
+    pub(crate) torques: Torques,
     /// Friction torque of each slipping clutch, μ_k φ F_n r_c N [N·m], shape (2).
-    pub kinetic: [f64; 2],
+    pub(crate) kinetic: [f64; 2],
     /// Largest torque of each engaged clutch, μ_s F_n r_c N [N·m], shape (2).
-    pub peak: [f64; 2],
+    pub(crate) peak: [f64; 2],
     /// A normal force acts just after the instant, shape (2).
-    pub pressed: [bool; 2],
+    pub(crate) pressed: [bool; 2],
 }
 
 impl Load {
     /// Load with normal forces `force` [N] on the clutches of `p`, whose μ_k becomes `factor` [1] times it.
-    pub fn new(
+    pub(crate) fn new(
         p: &Params,
         torques: Torques,
         force: [f64; 2],
@@ -195,7 +195,7 @@ pub fn project(systems: &Systems, set: usize, x: &mut State) {
 /// Modes that are consistent just after an instant.
 ///
 /// `before`: modes up to the instant. `event`: what happened at it; a clutch that broke away may not stick.
-pub fn resolve(
+pub(crate) fn resolve(
     systems: &Systems,
     x: &State,
     load: &Load,
