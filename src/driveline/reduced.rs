@@ -19,9 +19,8 @@
 use crate::Params;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Inputs of the discrete model: T_e, T_c1, T_c2, T_v, the two innovations, T_y.
-const INPUTS: usize = 7;
-const AUGMENTED: usize = 3 + INPUTS;
+/// States, a constant slope of each, and what that slope rises by over the step.
+const AUGMENTED: usize = 9;
 
 /// The control-oriented model for one pair of gears.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,33 +115,34 @@ impl Reduced {
         Vector3::new(-1.0 / self.j_ct2_eq, h_y, self.c_o_eq * h_y)
     }
 
-    /// The model over a step `h` [s] with held inputs and held innovation, exactly.
+    /// The model over a step `h` [s] with held inputs, T_ci that rise evenly, and held innovation, exactly.
     ///
     /// `l`: observer gain L of (19), shape (3, 2).
     pub fn discrete(&self, l: &SMatrix<f64, 3, 2>, h: f64) -> Discrete {
         let mut m = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
-        m.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.a());
-        m.fixed_view_mut::<3, 3>(0, 3).copy_from(&self.b());
-        m.fixed_view_mut::<3, 1>(0, 6).copy_from(&self.e());
-        m.fixed_view_mut::<3, 2>(0, 7).copy_from(l);
-        m.fixed_view_mut::<3, 1>(0, 9).copy_from(&self.y());
-        let psi = exponential(&(m * h));
+        m.fixed_view_mut::<3, 3>(0, 0).copy_from(&(self.a() * h));
+        m.fixed_view_mut::<3, 3>(0, 3).fill_diagonal(h);
+        m.fixed_view_mut::<3, 3>(3, 6).fill_diagonal(1.0);
+        let psi = exponential(&m);
+        let gamma = psi.fixed_view::<3, 3>(0, 3);
+        let b = self.b();
         Discrete {
             phi: psi.fixed_view::<3, 3>(0, 0).into_owned(),
-            gamma_u: psi.fixed_view::<3, 3>(0, 3).into_owned(),
-            gamma_delta: psi.fixed_view::<3, 1>(0, 6).into_owned(),
-            gamma_l: psi.fixed_view::<3, 2>(0, 7).into_owned(),
-            gamma_y: psi.fixed_view::<3, 1>(0, 9).into_owned(),
+            gamma_u: gamma * b,
+            gamma_rise: psi.fixed_view::<3, 3>(0, 6) * b.fixed_columns::<2>(1),
+            gamma_delta: gamma * self.e(),
+            gamma_l: gamma * l,
+            gamma_y: gamma * self.y(),
         }
     }
 }
 
-/// x⁺ = Φ x + Γ_u u + Γ_δ δ + Γ_L e + Γ_y T_y: the model over one step.
+/// x⁺ = Φ x + Γ_u u + Γ_r ΔT_c + Γ_δ δ + Γ_L e + Γ_y T_y: the model over one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrete {
     /// Φ = exp(A h), shape (3, 3).
     pub phi: Matrix3<f64>,
-    /// Γ_u of T_e, T_c1, T_c2, shape (3, 3).
+    /// Γ_u of T_e, T_c1, T_c2 at its begin, shape (3, 3).
     pub gamma_u: Matrix3<f64>,
     /// Γ_δ of T_v, shape (3).
     pub gamma_delta: Vector3<f64>,
@@ -150,6 +150,8 @@ pub struct Discrete {
     pub gamma_l: SMatrix<f64, 3, 2>,
     /// Γ_y of T_y, shape (3).
     pub gamma_y: Vector3<f64>,
+    /// Γ_r of what T_c1, T_c2 rise by over the step, shape (3, 2).
+    pub gamma_rise: SMatrix<f64, 3, 2>,
 }
 
 /// exp(M) by its series on M/2^n, squared n times.
@@ -232,20 +234,24 @@ mod tests {
         ] {
             let model = Reduced::new(&P, g, P.c_o);
             let held = model.b() * u + model.e() * 250.0 + l * e - model.y() * 40.0;
-            let slope = |x: Vector3<f64>| model.a() * x + held;
+            let rise = Vector2::new(-8.0, 15.0);
+            let rising = model.b() * Vector3::new(0.0, rise[0], rise[1]);
+            let slope = |x: Vector3<f64>, part: f64| model.a() * x + held + rising * part;
             let d = h / f64::from(SUBSTEPS);
             let start = Vector3::new(30.0, 0.1, 400.0);
-            let reference = (0..SUBSTEPS).fold(start, |x, _| {
-                let k1 = slope(x);
-                let k2 = slope(x + k1 * (d / 2.0));
-                let k3 = slope(x + k2 * (d / 2.0));
-                let k4 = slope(x + k3 * d);
+            let reference = (0..SUBSTEPS).fold(start, |x, n| {
+                let part = |of: f64| (f64::from(n) + of) / f64::from(SUBSTEPS);
+                let k1 = slope(x, part(0.0));
+                let k2 = slope(x + k1 * (d / 2.0), part(0.5));
+                let k3 = slope(x + k2 * (d / 2.0), part(0.5));
+                let k4 = slope(x + k3 * d, part(1.0));
                 x + (k1 + (k2 + k3) * 2.0 + k4) * (d / 6.0)
             });
             let step = model.discrete(&l, h);
             let ours =
                 step.phi * start + step.gamma_u * u + step.gamma_delta * 250.0 + step.gamma_l * e
-                    - step.gamma_y * 40.0;
+                    - step.gamma_y * 40.0
+                    + step.gamma_rise * rise;
             assert!(
                 (ours - reference).amax() < AGREEMENT * reference.amax(),
                 "{g:?} {h}"

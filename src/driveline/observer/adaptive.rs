@@ -3,7 +3,7 @@
 //! ```text
 //! x̂' = A x̂ + B û + E T_v + L (y − C x̂),   y = (x1, x2),   û = (T_e, T̂_c1, T̂_c2)            (19)
 //! T̂_ci = (μ_i,n f_i,n + ε̂_i) r_ci N_i θ_mi                                              (23) (24)
-//! ε̂_i' = L_ci (−p1 a_i x̃1 + p2 h_i x̃2) r_ci N_i θ_mi               (29), where p1 = p2 = 1
+//! ε̂_i' = L_ci (−a_i x̃1 + h_i x̃2) r_ci N_i θ_mi              (29), and other weights of x̃1, x̃2 in `lyapunov`
 //! ```
 //!
 //! **One sample.** The innovation e = y − C x̂ of the last instant is held over the step: first (29) takes
@@ -16,7 +16,8 @@ use crate::observer::lever::Lever;
 use crate::observer::load::Load;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
-use crate::observer::schedule::{gain_scale, lowest_ratios};
+use crate::observer::phase::alone;
+use crate::observer::schedule::{lowest_ratios, radius};
 use crate::observer::standstill::held;
 use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
 use crate::reduced::{Discrete, Reduced};
@@ -27,10 +28,8 @@ use nalgebra::{SMatrix, Vector2, Vector3};
 pub struct Design {
     /// L of (19), shape (3, 2).
     pub l: SMatrix<f64, 3, 2>,
-    /// p1, p2: weights of x̃1 and x̃2 in the adaptation, shape (2).
-    pub weight: [f64; 2],
-    /// L_c1, L_c2 with θ in m, shape (2).
-    pub l_c: [f64; 2],
+    /// ε̂_ci' over r_ci N_i θ_mi per x̃1 and x̃2, row by row, with θ in m, shape (2, 2).
+    pub adaptation: SMatrix<f64, 2, 2>,
 }
 
 /// What the gains of a step may depend on.
@@ -40,8 +39,11 @@ pub struct At {
     pub model: Reduced,
     /// That of the lowest gears of Table 1, which gains are given for.
     pub lowest: Reduced,
-    /// The clutch that is engaged alone, of a known friction: the damper tells how its torque moves.
+    /// The clutch that carries alone, of a friction that is known or being taken: damper or force tells how its
+    /// torque moves.
     pub told: Option<usize>,
+    /// (r_ci N_i)² of Table 1 over that at hand [1], shape (2).
+    pub radius: [f64; 2],
 }
 
 /// State of the observer.
@@ -86,8 +88,8 @@ struct Now {
     design: Design,
     /// T_v [N·m].
     t_v: f64,
-    /// What T_c1, T_c2 are less over the step than at its end [N·m], shape (2).
-    half: [f64; 2],
+    /// What T_c1, T_c2 of engaged clutches rise by over the step [N·m], shape (2).
+    rise: Vector2<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,7 +165,7 @@ impl Adaptive {
         let t_c = self.torques(settings, &now.levers).1;
         self.lock.step(p, sample, t_c, h);
         if settings.adapts {
-            now.half = self.recall(p, settings.mu_n, sample, &now.levers, engaged, h);
+            now.rise = self.recall(p, settings.mu_n, sample, &now.levers, engaged, h);
             self.adapt(&now, settings.mu_n, h);
         }
         now.t_v = self.load.step(p, settings.load, sample, &self.lock, h);
@@ -201,22 +203,16 @@ impl Adaptive {
         let at = At {
             model,
             lowest: Reduced::new(&table, lowest_ratios(&table), table.c_o),
-            told: self
-                .lock
-                .alone(p, sample)
-                .filter(|i| self.friction.known(*i)),
+            told: alone(p, sample).filter(|i| self.friction.known(*i) || self.friction.taken(*i)),
+            radius: radius(p),
         };
-        let mut design = design(&at);
-        let a = model.a_slip();
-        let scale = gain_scale(p, a, &at.lowest);
-        design.l_c = [0, 1].map(|i| design.l_c[i] * scale[i]);
         Now {
             levers: [0, 1].map(|i| Lever::new(p, sample, i)),
-            design,
+            design: design(&at),
             model,
-            a,
+            a: model.a_slip(),
             t_v: 0.0,
-            half: [0.0; 2],
+            rise: Vector2::zeros(),
         }
     }
 
@@ -253,21 +249,15 @@ impl Adaptive {
     /// Deviation: the paper has no projection; it is a safety and does not act on its scenario. In a handover a
     /// clutch that slips keeps a friction that was learnt ([`Friction::adapting`]).
     fn adapt(&mut self, now: &Now, mu_n: [f64; 2], h: f64) {
-        let (a, h_twist, e) = (now.a, now.model.h_twist(), self.innovation);
-        let Design {
-            weight: [p1, p2],
-            l_c,
-            ..
-        } = now.design;
+        let by = now.design.adaptation * self.innovation;
         let mut bounded = false;
         let pressed = now.levers.map(|lever| lever.arm > 0.0);
         let adapting = self.friction.adapting(pressed, self.lock.engaged());
         for i in (0..2).filter(|i| adapting[*i]) {
             let Lever { arm, f_n } = now.levers[i];
-            let rate = l_c[i] * (-p1 * a[i] * e[0] + p2 * h_twist[i] * e[1]) * arm;
             let bound = |mu: f64| (mu - mu_n[i]) * f_n;
             let (low, high) = (bound(-Friction::PHYSICAL), bound(Friction::PHYSICAL));
-            let free = self.epsilon[i] + h * rate;
+            let free = self.epsilon[i] + h * by[i] * arm;
             self.epsilon[i] = free.clamp(low, high);
             bounded |= self.epsilon[i] != free;
         }
@@ -286,12 +276,13 @@ impl Adaptive {
     /// (19) over one step with the innovation held.
     fn predict(&mut self, settings: &Settings, sample: &Sample, now: &Now, h: f64) {
         let end = self.torques(settings, &now.levers).1;
-        let t_c = [0, 1].map(|i| end[i] - now.half[i]);
+        let begin = [0, 1].map(|i| end[i] - now.rise[i]);
         let (x_hat, innovation) = (self.x_hat, self.innovation);
         let discrete = self.discrete(&now.model, &now.design.l, h);
         self.x_hat = discrete.phi * x_hat
-            + discrete.gamma_u * Vector3::new(sample.t_e, t_c[0], t_c[1])
+            + discrete.gamma_u * Vector3::new(sample.t_e, begin[0], begin[1])
             + discrete.gamma_delta * now.t_v
+            + discrete.gamma_rise * now.rise
             + discrete.gamma_y * sample.t_y
             + discrete.gamma_l * innovation;
     }

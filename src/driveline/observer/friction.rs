@@ -60,6 +60,11 @@ impl Friction {
         self.seen[i] >= KNOWN
     }
 
+    /// Clutch `i` has slipped for long enough under a lever that its friction is taken.
+    pub fn taken(&self, i: usize) -> bool {
+        self.slipping[i] >= SETTLING
+    }
+
     /// Clutches whose friction is to be adapted, shape (2), of those that are `pressed`.
     ///
     /// With both pressed the speeds leave one direction of the torques nearly undetermined (erratum E5), along
@@ -89,7 +94,7 @@ impl Friction {
                 0.0
             };
             let alone = lever[1 - i] <= 0.0;
-            if self.slipping[i] < SETTLING || !alone && self.known(i) {
+            if !self.taken(i) || !alone && self.known(i) {
                 continue;
             }
             let mu = (mu_hat[i] * slip.signum()).clamp(Self::SMALLEST, Self::PHYSICAL);

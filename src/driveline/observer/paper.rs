@@ -19,7 +19,7 @@
 //! and T_ci that moved by ΔT, before (29) followed it, leaves T̃_o/(g_i ΔT) ~ L11 c L22/((L22 + D) J_out). Both the
 //! pole and this share are right for the inertias of Table 1: in a light gearbox D, nearly c/J_out, is large, the pole
 //! is slow (preset `wet6` in third and second gear 0.14 1/s, where that of Table 1 is 1.4 to 1.7), and the share is
-//! large. So L22, which (27) leaves free, follows the gears: where the damper tells how T_ci moves, which leaves nothing
+//! large. So L22, which (27) leaves free, follows the gears: where damper or force tells how T_ci moves, which leaves nothing
 //! to share, it keeps the pole of the lowest gears of Table 1, as far as samples follow; elsewhere it keeps the share.
 //!
 //! ```
@@ -34,7 +34,7 @@
 
 use crate::Params;
 use crate::observer::adaptive::{Adaptive, At, Design};
-use crate::observer::schedule::scaled;
+use crate::observer::schedule::{paced, scaled};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use crate::reduced::Reduced;
 use nalgebra::SMatrix;
@@ -130,6 +130,14 @@ impl Gains {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// ε̂_ci' of (29) over r_ci N_i θ_mi per x̃1 and x̃2, row by row, shape (2, 2).
+    fn adaptation(&self, at: &At) -> SMatrix<f64, 2, 2> {
+        let (a, h) = (at.model.a_slip(), at.model.h_twist());
+        let square = |model: &Reduced| model.a_slip().map(|a| a * a);
+        let l_c = paced(self.l_c, at.radius, square(&at.model), square(&at.lowest));
+        SMatrix::from_fn(|i, j| l_c[i] * [-a[i], h[i]][j])
+    }
+
     /// L of (19) with the rows that (27) fixes, shape (3, 2).
     pub fn l(&self, model: &Reduced) -> SMatrix<f64, 3, 2> {
         let j = model.j_ct2_eq;
@@ -161,8 +169,7 @@ fn design(settings: &Settings, h: f64, at: &At) -> Design {
     let gains = gains.in_gear(at, h);
     Design {
         l: gains.l(&at.model),
-        weight: [1.0, 1.0],
-        l_c: gains.l_c,
+        adaptation: gains.adaptation(at),
     }
 }
 
@@ -187,7 +194,7 @@ mod tests {
     use super::{Gains, HELD};
     use crate::Params;
     use crate::observer::adaptive::At;
-    use crate::observer::schedule::{gain_scale, lowest_ratios};
+    use crate::observer::schedule::{lowest_ratios, radius};
     use crate::reduced::Reduced;
     use nalgebra::{Matrix4, Vector4};
 
@@ -201,6 +208,7 @@ mod tests {
             model: Reduced::new(p, p.g(gears), p.c_o),
             lowest: Reduced::new(&table, lowest_ratios(&table), table.c_o),
             told,
+            radius: radius(p),
         }
     }
 
@@ -208,7 +216,7 @@ mod tests {
     fn slowest(p: &Params, at: &At, gains: &Gains, i: usize) -> f64 {
         let (m, l) = (&at.model, gains.l(&at.model));
         let (a, h, arm) = (m.a_slip()[i], m.h_twist()[i], p.clutch[i].r_c_n * THETA);
-        let pace = gains.l_c[i] * gain_scale(p, m.a_slip(), &at.lowest)[i] * arm * arm;
+        let adaptation = gains.adaptation(at) * (arm * arm);
         let (j, b, k, c) = (m.j_ct2_eq, m.b_coupling(), m.k_o_eq, m.c_o_eq);
         let errors = Matrix4::new(
             -l[(0, 0)],
@@ -223,8 +231,8 @@ mod tests {
             k - l[(2, 1)],
             -c * b,
             c * h, //
-            pace * a,
-            -pace * h,
+            -adaptation[(i, 0)],
+            -adaptation[(i, 1)],
             0.0,
             0.0,
         );
@@ -247,7 +255,7 @@ mod tests {
         }
     }
 
-    /// A light gearbox forgets as fast as the paper's while the damper tells how the torque moves: poles in 1/s.
+    /// A light gearbox forgets as fast as the paper's while it is told how the torque moves: poles in 1/s.
     #[test]
     fn light_gearboxes_forget_as_fast_as_the_one_of_the_paper() {
         let table = at(&Params::TABLE_1, [1, 2], None);

@@ -41,6 +41,15 @@ pub fn pressed(p: &Params, sample: &Sample) -> [bool; 2] {
     [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]) > 0.0)
 }
 
+/// The clutch that is above its touch point while the other is not.
+pub fn alone(p: &Params, sample: &Sample) -> Option<usize> {
+    match pressed(p, sample) {
+        [true, false] => Some(0),
+        [false, true] => Some(1),
+        _ => None,
+    }
+}
+
 /// How well speeds show the friction of the clutches that slip [1], 0 to 1.
 ///
 /// A torque T_ci moves (ω_e, ω_o) by the direction d_i = (−1/√J_ed, g_i/√J_out), scaled by energy. One

@@ -2,7 +2,6 @@
 
 use crate::Params;
 use crate::observer::Sample;
-use crate::reduced::Reduced;
 use nalgebra::ComplexField;
 
 /// Largest (Ω h)² of an adaptation that swings with Ω [1].
@@ -32,17 +31,22 @@ pub fn followed(l_c: f64, p: &Params, sample: &Sample, i: usize, h: f64) -> f64 
     l_c * (FOLLOWED / (pace * h * h)).min(1.0)
 }
 
-/// Factor on L_c for the gears and the vehicle at hand [1], shape (2); 1 for those of Table 1, which the gains
-/// are given for.
+/// L_c for the gears and the vehicle at hand, shape (2); `l_c` is given for those of Table 1.
+///
+/// `pace`: what L_ci m_i² moves x1 or w by, `of_table` the same of Table 1; `radius`: (r_ci N_i)² of Table 1 over that at
+/// hand; each shape (2).
 ///
 /// Deviation: the adaptation moves x1 by L_c a_i² m_i², and a_i grows where a shaft in neutral, a higher gear or a
 /// lighter gearbox leaves less inertia at the output; the same L_c would lose stability.
-pub fn gain_scale(p: &Params, a: [f64; 2], reference: &Reduced) -> [f64; 2] {
-    let of_table = reference.a_slip();
+pub fn paced(l_c: [f64; 2], radius: [f64; 2], pace: [f64; 2], of_table: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| l_c[i] * (of_table[i] / pace[i] * radius[i]).min(1.0))
+}
+
+/// (r_ci N_i)² of Table 1 over that of a vehicle [1], shape (2).
+pub fn radius(p: &Params) -> [f64; 2] {
     [0, 1].map(|i| {
-        let radius = Params::TABLE_1.clutch[i].r_c_n / p.clutch[i].r_c_n;
-        let less = (of_table[i] / a[i] * radius).min(1.0);
-        less * less
+        let ratio = Params::TABLE_1.clutch[i].r_c_n / p.clutch[i].r_c_n;
+        ratio * ratio
     })
 }
 

@@ -43,8 +43,8 @@ fn check(method: Method, drive: &Drive, sigma: f64, limits: [f64; 3]) {
 #[test]
 fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
     let drive = scenarios::paper().drive(1e-3);
-    check(Method::Paper, &drive, 0.0, [3.0, 4.0, 1.5]);
-    check(Method::Lyapunov, &drive, 0.0, [3.3, 4.0, 2.0]);
+    check(Method::Paper, &drive, 0.0, [2.9, 3.8, 1.3]);
+    check(Method::Lyapunov, &drive, 0.0, [2.7, 3.8, 1.2]);
     check(Method::Energy, &drive, 0.0, [1.5, 2.0, 1.0]);
     check(Method::Energy, &drive, NOISE, [3.3, 3.5, 3.0]);
     check(Method::Kalman, &drive, 0.0, [2.0, 1.8, 1.0]);
@@ -55,7 +55,7 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
 fn methods_are_within_their_limits_on_the_paper_scenario_at_100_hz() {
     let drive = scenarios::paper().drive(1e-2);
     check(Method::Paper, &drive, 0.0, [3.5, 4.3, 1.5]);
-    check(Method::Lyapunov, &drive, 0.0, [3.9, 4.9, 2.5]);
+    check(Method::Lyapunov, &drive, 0.0, [3.4, 4.1, 1.5]);
     check(Method::Energy, &drive, 0.0, [1.5, 3.0, 1.0]);
     check(Method::Kalman, &drive, 0.0, [2.0, 2.2, 1.7]);
 }
@@ -68,7 +68,7 @@ fn methods_are_within_their_limits_on_drives_by_chance_at_100_hz() {
     for seed in [2, 3, 9] {
         let drive = scenarios::random(seed).drive(1e-2);
         check(Method::Paper, &drive, 0.0, [3.0, 2.8, 3.6]);
-        check(Method::Lyapunov, &drive, 0.0, [3.0, 3.4, 3.4]);
+        check(Method::Lyapunov, &drive, 0.0, [2.8, 2.7, 3.4]);
         check(Method::Energy, &drive, 0.0, [2.0, 2.0, 1.5]);
     }
 }
@@ -80,7 +80,7 @@ fn methods_are_within_their_limits_on_drives_by_chance() {
     for seed in [1, 2, 3, 5] {
         let drive = scenarios::random(seed).drive(1e-3);
         check(Method::Paper, &drive, 0.0, [1.8, 3.0, 2.7]);
-        check(Method::Lyapunov, &drive, 0.0, [1.9, 3.2, 3.2]);
+        check(Method::Lyapunov, &drive, 0.0, [1.6, 3.2, 3.0]);
         check(Method::Energy, &drive, 0.0, [1.7, 2.0, 2.3]);
         check(Method::Energy, &drive, NOISE, [2.3, 2.3, 3.5]);
         check(Method::Kalman, &drive, 0.0, [1.1, 1.4, 0.6]);
@@ -96,7 +96,7 @@ fn torques_are_followed_against_a_brake_that_holds_the_wheel() {
     let drive = scenarios::hill_hold().drive(1e-3);
     for (method, clean, noisy) in [
         (Method::Paper, [0.7, 0.0, 1.1], [4.5, 0.0, 3.5]),
-        (Method::Lyapunov, [0.7, 0.0, 1.0], [8.0, 0.0, 3.8]),
+        (Method::Lyapunov, [0.7, 0.0, 0.8], [6.5, 0.0, 2.5]),
         (Method::Energy, [0.6, 0.0, 1.0], [1.5, 0.0, 2.2]),
         (Method::Kalman, [0.8, 0.0, 0.5], [2.5, 0.0, 1.0]),
         (Method::Calibrating, [0.9, 0.0, 1.2], [2.2, 0.0, 1.8]),
@@ -113,11 +113,12 @@ fn methods_hold_on_a_fading_friction_and_on_another_box() {
     let dry_7 = faded::dry_7().drive(1e-3);
     check(Method::Paper, &fading, 0.0, [4.5, 5.0, 2.0]);
     check(Method::Energy, &fading, 0.0, [2.0, 3.0, 1.5]);
-    check(Method::Paper, &dry_7, 0.0, [6.5, 11.0, 3.0]);
-    check(Method::Lyapunov, &dry_7, 0.0, [6.5, 12.5, 4.5]);
+    check(Method::Paper, &dry_7, 0.0, [6.3, 10.6, 2.6]);
+    check(Method::Lyapunov, &dry_7, 0.0, [6.3, 9.6, 2.4]);
     check(Method::Energy, &dry_7, 0.0, [2.0, 3.0, 1.5]);
     let slow = faded::dry_7().drive(1e-2);
-    check(Method::Paper, &slow, 0.0, [7.0, 13.0, 5.0]);
+    check(Method::Paper, &slow, 0.0, [6.5, 12.7, 4.8]);
+    check(Method::Lyapunov, &slow, 0.0, [6.5, 10.6, 3.7]);
     check(Method::Energy, &slow, 0.0, [4.0, 4.0, 2.0]);
     for method in [Method::Kalman, Method::Calibrating] {
         check(method, &fading, 0.0, [2.1, 2.2, 1.0]);
@@ -128,13 +129,12 @@ fn methods_hold_on_a_fading_friction_and_on_another_box() {
 /// A box whose clutches are moved by pressure, through three gears; nothing was tuned on it.
 ///
 /// The goals are 12/15/3.5 and 14/15/5 % (`paper`), 6.5/6.5/3 and 7/8/4 (`energy`), 3/3/1.5 and 4/4/2 (`kalman`),
-/// 4/4/2 (`calibrating`). `paper` misses its goal for T_o at 100 Hz, by 0.2 %; `lyapunov` has no goal, and its slow pole
-/// is at 0.002 to 0.03 1/s in this box.
+/// 4/4/2 (`calibrating`); `lyapunov` has none.
 #[test]
 fn pressures_are_followed_through_three_gears() {
     let limits = [
-        (Method::Paper, [6.0, 7.5, 3.5], [6.5, 10.5, 5.7]),
-        (Method::Lyapunov, [5.5, 11.0, 7.0], [14.0, 25.0, 17.0]),
+        (Method::Paper, [5.0, 7.4, 3.0], [5.0, 8.2, 4.3]),
+        (Method::Lyapunov, [5.2, 6.8, 2.7], [5.6, 7.5, 3.8]),
         (Method::Energy, [6.5, 6.5, 3.0], [7.0, 8.0, 4.0]),
         (Method::Kalman, [3.0, 3.0, 1.5], [4.0, 4.0, 2.0]),
         (Method::Calibrating, [4.0, 4.0, 2.0], [4.0, 4.0, 2.0]),
@@ -158,8 +158,8 @@ fn pressures_are_followed_through_three_gears() {
 #[test]
 fn linings_that_follow_slip_and_heat_are_followed() {
     let limits = [
-        ([6.0, 9.0, 3.5], [6.5, 11.0, 6.2]),
-        ([6.0, 10.0, 6.3], [12.0, 20.0, 14.0]),
+        ([5.6, 9.0, 3.5], [6.0, 11.0, 5.0]),
+        ([5.6, 8.6, 2.8], [5.9, 9.4, 4.2]),
         ([2.0, 3.0, 1.5], [5.0, 5.0, 2.3]),
         ([1.5, 2.1, 0.5], [2.0, 2.2, 1.0]),
         ([1.8, 2.1, 0.8], [2.5, 3.3, 1.3]),
@@ -190,8 +190,8 @@ fn a_noisy_speed_leaves_what_a_hot_lining_carries_known() {
 #[test]
 fn torques_are_followed_through_gear_changes() {
     let limits = [
-        (Method::Paper, [3.5, 7.5, 2.5], [3.8, 13.5, 4.1]),
-        (Method::Lyapunov, [5.0, 8.0, 3.5], [4.6, 11.0, 4.2]),
+        (Method::Paper, [3.3, 7.3, 2.4], [3.3, 13.5, 3.9]),
+        (Method::Lyapunov, [3.4, 8.0, 2.8], [3.0, 10.8, 3.4]),
         (Method::Energy, [2.3, 3.0, 1.5], [3.5, 3.0, 2.6]),
         (Method::Kalman, [2.0, 2.0, 1.1], [2.8, 3.2, 1.4]),
         (Method::Calibrating, [2.2, 2.5, 1.5], [2.8, 4.0, 2.3]),

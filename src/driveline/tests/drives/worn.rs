@@ -110,9 +110,11 @@ fn friction_over_the_position_is_learnt_where_it_was_driven() {
     }
 }
 
-/// The slip of the next launch: methods that adapt from a map miss a tenth to a fifth of what they did on a new one.
+/// The slip of the next launch. A number adds nothing to what `paper` and `lyapunov` find within their first slip, which
+/// leaves them as little as it does: before μ̂ stayed in it they missed by 0.35 N·m when new.
 #[test]
 fn a_map_that_was_learnt_is_worth_more_than_a_number() {
+    const FOUND: f64 = 0.12; // N·m
     let (drive, p) = (drive(), Params::TABLE_1);
     let (_, learnt) = launch(Method::Calibrating, &drive, &p, &Settings::CASE_1, perfect);
     let settings = reloaded(&learnt);
@@ -121,7 +123,13 @@ fn a_map_that_was_learnt_is_worth_more_than_a_number() {
         let (number, _) = launch(method, &drive, &p, &settings, perfect);
         let (map, _) = launch(method, &drive, &taught(&learnt), &settings, perfect);
         println!("{method:?}: new {new:.3}, number {number:.3}, map {map:.3} N·m");
-        assert!(map < 0.75 * number && number < 0.5 * new, "{method:?}");
+        assert!(map < 0.75 * number && map < 0.6 * new, "{method:?}");
+        let found = if method == Method::Energy {
+            number
+        } else {
+            new
+        };
+        assert!(number < FOUND && found < FOUND, "{method:?}");
     }
 }
 

@@ -69,14 +69,14 @@ pub(super) const GAINS: [Variable<Observer>; 19] = [
         "gain.p2",
         U::ONE,
         |m| &mut m.settings.lyapunov.p_2,
-        "p2 of V, where p1 is 1: weight of the error of x2, lyapunov",
+        "p2 of V: weight of the error of x2 over that of its energy, lyapunov",
     )
     .min(WEIGHT),
     gain(
         "gain.p3",
         U::ONE,
         |m| &mut m.settings.lyapunov.p_3,
-        "p3 of V, where p1 is 1: weight of the error of c x2 - x3, in (rad/s)2/(N.m)2, lyapunov",
+        "p3 of V: weight of the error of c x2 - x3 over that of its energy, lyapunov",
     )
     .min(WEIGHT),
     gain(
