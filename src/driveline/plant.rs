@@ -80,6 +80,7 @@ mod outputs;
 mod ports;
 mod quiet;
 mod quiet_mesh;
+mod search;
 mod tangent;
 mod tie;
 

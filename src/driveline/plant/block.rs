@@ -4,7 +4,7 @@
 //! direction of sliding, capacity left on either side, normal force, wheel speed under the brake, what a
 //! synchroniser has left to do). A block is tried at the longest level. If a guard is below −10⁻¹⁰ at its
 //! end, or if the tangents at both ends meet below zero, so that the guard may have dipped and returned, the
-//! block is given up and the next lower level is tried; at one tick it is taken, and the event happens at its
+//! block is given up and shorter ones are tried (`plant/search.rs`); at one tick it is taken, and the event happens at its
 //! end. [`integrate`](crate::integrate) says when the tangents bound every dip.
 //!
 //! What an event finds is at most a tick old: a slip of one tick of relative acceleration, removed by an
@@ -157,12 +157,17 @@ impl Block {
             })
     }
 
-    /// The worst crossing of any guard, and the events found at the end: after a quick look, or a close one.
+    /// What [`Self::events`] finds, after a quick look, or a close one.
     #[inline(always)]
-    pub(crate) fn look(&self, p: &Params, systems: &Systems, plant: &Plant) -> (Crossing, Event) {
+    pub(crate) fn look(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        plant: &Plant,
+    ) -> (Crossing, Event, Option<f64>) {
         let rows = &systems.by_stuck[stuck_set(plant.modes)].rows;
         if self.is_quiet(p, rows, plant) && plant.meshes == Meshes::IDEAL {
-            (Crossing::None, Event::default())
+            (Crossing::None, Event::default(), None)
         } else {
             self.events(p, systems, plant)
         }
@@ -184,9 +189,15 @@ impl Block {
         Torques::from([0, 1, 2, 3].map(|q| self.start.ramp(q)))
     }
 
-    /// The worst crossing of any guard in the block, and the events found at its end.
-    pub(crate) fn events(&self, p: &Params, systems: &Systems, plant: &Plant) -> (Crossing, Event) {
-        let mut worst = Crossing::None;
+    /// The worst crossing of any guard in the block, the events found at its end, and what share of it is over when
+    /// the first of clutches and brake happens, if there is one.
+    pub(crate) fn events(
+        &self,
+        p: &Params,
+        systems: &Systems,
+        plant: &Plant,
+    ) -> (Crossing, Event, Option<f64>) {
+        let (mut worst, mut first) = (Crossing::None, None);
         let mut event = Event::default();
         let (modes, brake) = (plant.modes, plant.brake);
         let mut start = self.guards(p, systems, plant, 0.0);
@@ -200,8 +211,10 @@ impl Block {
             if crossing.contains(&Crossing::Possible) && worst == Crossing::None {
                 worst = Crossing::Possible;
             }
-            if found != [false; 2] {
+            for k in (0..2).filter(|k| found[*k]) {
                 worst = Crossing::Found;
+                let share = start[i][k].share_to_zero(end[i][k], self.t);
+                first = Some(first.unwrap_or(1.0_f64).min(share));
             }
             if i == BRAKE {
                 event.wheel_reached = found[0] && brake != Mode::Stuck;
@@ -222,7 +235,7 @@ impl Block {
                 worst = crossing;
             }
         }
-        (worst, event)
+        (worst, event, first)
     }
 
     /// The worst crossing of a guard of the meshes, and whether the output came to standstill.

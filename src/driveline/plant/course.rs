@@ -4,13 +4,14 @@
 //! [`integrate`](crate::integrate) says which lengths are tried, and what an event is found by.
 
 use crate::Params;
-use crate::integrate::{LADDER, Ladders, TICKS, level, ticks};
+use crate::integrate::{Ladders, TICKS};
 use crate::plant::Plant;
 use crate::plant::block::Block;
-use crate::plant::friction::longest_varying;
+use crate::plant::friction::longest;
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};
+use crate::plant::search::Search;
 
 /// Events one step may hold; beyond them its rest is one smooth piece.
 const MAX_EVENTS: u32 = 32;
@@ -21,14 +22,10 @@ struct Course {
     now: Input,
     /// Their derivatives.
     rate: InputRate,
-    /// Ticks that are behind.
-    done: u32,
-    /// Ticks that were behind at the last event.
-    piece: u32,
+    /// What is behind, and how far the next block reaches.
+    search: Search,
     /// Events found.
     events: u32,
-    /// Highest level of the next block.
-    cap: usize,
 }
 
 impl Course {
@@ -42,7 +39,8 @@ impl Course {
         for i in (0..2).filter(|i| event.opened[*i]) {
             (self.now.force[i], self.rate.force[i]) = (0.0, 0.0);
         }
-        (self.piece, self.events) = (self.done, self.events + 1);
+        self.search.begin_piece();
+        self.events += 1;
     }
 }
 
@@ -66,24 +64,22 @@ impl Plant {
         let mut course = Course {
             now: input.after(rate, 0.0),
             rate: *rate,
-            done: 0,
-            piece: 0,
+            search: Search::START,
             events: 0,
-            cap: LADDER,
         };
         let before = self.all_modes();
         self.grade.become_of(p, course.now.phi);
         self.change_gears(p, &course.now, &course.rate);
         self.resolve_all(p, ladders, &course.now, &course.rate, &Event::default());
         report(0.0, before, self.all_modes());
-        while course.done < TICKS {
+        while course.search.done < TICKS {
             let Some((event, block, h)) = self.take_block(p, ladders, &mut course) else {
                 continue;
             };
             course.meet(&event);
             let before = self.all_modes();
             self.change_modes(p, ladders, (&course.now, &course.rate), &event, &block);
-            let since = h * f64::from(course.done) / f64::from(TICKS);
+            let since = h * f64::from(course.search.done) / f64::from(TICKS);
             report(since, before, self.all_modes());
         }
     }
@@ -100,19 +96,16 @@ impl Plant {
         let propagators = ladders.of(p, self.coupling());
         let (h, systems) = (propagators.h, &propagators.systems);
         let varies = p.friction_varies() && self.modes.map(Mode::direction) != [0.0; 2];
-        let longest = if varies { longest_varying(h) } else { LADDER };
-        let level = level(course.done - course.piece, TICKS - course.done)
-            .min(course.cap)
-            .min(longest);
+        let level = course.search.level(longest(varies, h));
         let rung = propagators.rung(stuck_set(self.modes), level);
         let (block, settled) = Block::over(p, self, rung, &course.now, &course.rate, varies);
         if !settled && level > 0 {
-            course.cap = level - 1;
+            course.search.give_up(level, None);
             return None;
         }
-        let (mut crossing, mut event) = block.look(p, systems, self);
+        let (mut crossing, mut event, share) = block.look(p, systems, self);
         if crossing != Crossing::None && course.may_cut(level) {
-            course.cap = level - 1;
+            course.search.give_up(level, share);
             return None;
         }
         let strained = self.is_strained(p).then_some(*self);
@@ -122,13 +115,14 @@ impl Plant {
             && self.may_leave(p, ladders, &block, &course.rate)
         {
             if level > 0 {
-                (*self, course.cap) = (was, level - 1);
+                *self = was;
+                course.search.give_up(level, None);
                 return None;
             }
             (crossing, event.mesh) = (Crossing::Found, true);
         }
-        (course.now, course.cap, course.done) =
-            (block.input_end, LADDER, course.done + ticks(level));
+        course.now = block.input_end;
+        course.search.advance(level);
         let happened = crossing != Crossing::None && !event.is_none();
         (happened && course.events < MAX_EVENTS).then_some((event, block, h))
     }

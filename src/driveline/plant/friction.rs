@@ -32,8 +32,11 @@ const LONGEST: f64 = 1e-3;
 /// First torque that may follow the slip, T_c1; T_c2 and T_v come next.
 const FIRST: usize = 1;
 
-/// Level of the longest block while friction varies: a quarter of the communication step `h` [s], or less.
-pub(crate) fn longest_varying(h: f64) -> usize {
+/// Level of the longest block: while friction varies a quarter of the communication step `h` [s], or less.
+pub(crate) fn longest(varies: bool, h: f64) -> usize {
+    if !varies {
+        return LADDER;
+    }
     let span = |level: usize| h * f64::from(ticks(level)) / f64::from(TICKS);
     (0..LADDER)
         .rev()
