@@ -22,7 +22,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     pages = {
         "reference/cli.md": command_line(),
         "reference/cargo.md": cargo(),
-        "reference/kpis.md": registry.markdown(),
+        "reference/kpis.md": _unsigned(registry.markdown()),
         "reference/master.md": _text("src/master/README.md"),
         "reference/variables.md": variables(),
         "paper.md": _text("PAPER.md"),
@@ -31,6 +31,12 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for uri, content in pages.items():
         files.append(File.generated(config, uri, content=content))
     return files
+
+
+def _unsigned(text: str) -> str:
+    """Return a page without the line that says what wrote it."""
+    kept = (line for line in text.splitlines() if not line.endswith("; do not edit."))
+    return "\n".join(kept) + "\n"
 
 
 def variables() -> str:
