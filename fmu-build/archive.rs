@@ -15,10 +15,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 /// # Errors
 /// When the file cannot be written.
 pub fn package(path: &Path, members: Vec<(String, Vec<u8>)>) -> Result<()> {
-    let bytes = zipped(members).map_err(|source| Error::Zip {
-        path: path.into(),
-        source,
-    })?;
+    let bytes = zipped(members).map_err(Error::zip(path))?;
     write_whole(path, &bytes)
 }
 

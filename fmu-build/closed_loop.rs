@@ -21,10 +21,7 @@ pub(crate) fn models() -> Vec<Box<dyn Part>> {
 pub(crate) fn scenario(name: &str, parameters: &[(&str, f64)], until: f64) -> Result<Stimuli> {
     let path = library::workspace().join(SCENARIOS).join(name);
     let read = fs::read_to_string(&path);
-    let scenario = read.map_err(|source| Error::Io {
-        path: path.clone(),
-        source,
-    })?;
+    let scenario = read.map_err(Error::io(&path))?;
     let mut text = String::new();
     for line in scenario.lines() {
         let time = line.split(',').next().unwrap_or_default().parse::<f64>();

@@ -1,6 +1,6 @@
 //! What can go wrong, one variant per cause; each text says what to do where something can be done.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
 /// Result of everything in this crate.
@@ -171,6 +171,20 @@ pub enum Error {
         /// What the loader said.
         source: libloading::Error,
     },
+}
+
+impl Error {
+    /// What the system said of a file or a program.
+    pub(crate) fn io(path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.as_ref().to_owned();
+        |source| Self::Io { path, source }
+    }
+
+    /// What the archive library said of a file.
+    pub(crate) fn zip(path: impl AsRef<Path>) -> impl FnOnce(zip::result::ZipError) -> Self {
+        let path = path.as_ref().to_owned();
+        |source| Self::Zip { path, source }
+    }
 }
 
 impl fmt::Display for Error {

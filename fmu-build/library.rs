@@ -146,10 +146,7 @@ pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec
         .current_dir(folder)
         .stderr(Stdio::inherit())
         .output()
-        .map_err(|source| Error::Io {
-            path: "cargo".into(),
-            source,
-        })?;
+        .map_err(Error::io("cargo"))?;
     if !output.status.success() {
         return Err(Error::Cargo {
             package: package.into(),
@@ -159,7 +156,7 @@ pub(crate) fn build(package: &str, folder: &Path, target: &Target) -> Result<Vec
     let path = cdylib(&messages, target.extension).ok_or_else(|| Error::NoLibrary {
         package: package.into(),
     })?;
-    fs::read(&path).map_err(|source| Error::Io { path, source })
+    fs::read(&path).map_err(Error::io(&path))
 }
 
 /// Compiler flags of FMU libraries.

@@ -26,10 +26,7 @@ struct Entry<'a> {
 
 /// Checks the archive at `path`.
 pub(super) fn check(path: &Path, report: &mut Report) -> crate::Result<()> {
-    let bytes = std::fs::read(path).map_err(|source| crate::Error::Io {
-        path: path.into(),
-        source,
-    })?;
+    let bytes = std::fs::read(path).map_err(crate::Error::io(path))?;
     judge(&entries(&bytes), report);
     Ok(())
 }

@@ -257,10 +257,7 @@ fn opened(path: &Path) -> Result<(Unpacked, Description)> {
 
 /// Reads the description of an unpacked FMU.
 fn described(folder: &Path) -> Result<Description> {
-    let bytes = fs::read(folder.join(DESCRIPTION)).map_err(|source| crate::Error::Io {
-        path: DESCRIPTION.into(),
-        source,
-    })?;
+    let bytes = fs::read(folder.join(DESCRIPTION)).map_err(crate::Error::io(DESCRIPTION))?;
     let text = text::read(&bytes, &mut Report::default());
     parsed::parse(&text.unwrap_or_default())
 }

@@ -60,10 +60,7 @@ pub fn replay(fmus: &[PathBuf], options: &Replay<'_>) -> Result<()> {
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {
-    fs::write(path, text).map_err(|source| Error::Io {
-        path: path.into(),
-        source,
-    })
+    fs::write(path, text).map_err(Error::io(path))
 }
 
 /// An FMU, unpacked, with its library loaded.

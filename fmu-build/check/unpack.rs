@@ -22,15 +22,8 @@ pub(crate) struct Unpacked {
 impl Unpacked {
     /// Unpacks the FMU at `path` after every member was found to stay inside the folder, and within bounds.
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let zip_error = |source| Error::Zip {
-            path: path.into(),
-            source,
-        };
-        let file = File::open(path).map_err(|source| Error::Io {
-            path: path.into(),
-            source,
-        })?;
-        let mut archive = ZipArchive::new(file).map_err(zip_error)?;
+        let file = File::open(path).map_err(Error::io(path))?;
+        let mut archive = ZipArchive::new(file).map_err(Error::zip(path))?;
         check_members(path, &mut archive)?;
         let unpacked = Self {
             folder: new_folder()?,
@@ -47,17 +40,11 @@ impl Unpacked {
     fn fill(&self, path: &Path, archive: &mut ZipArchive<File>) -> Result<()> {
         let mut left = LARGEST;
         for at in 0..archive.len() {
-            let member = archive.by_index(at).map_err(|source| Error::Zip {
-                path: path.into(),
-                source,
-            })?;
+            let member = archive.by_index(at).map_err(Error::zip(path))?;
             let name = member_name(path, &member)?;
             let target = self.folder.join(&name);
             // The sizes that the archive states may be wrong: count what is written.
-            left -= unpack(member, &target, left).map_err(|source| Error::Io {
-                path: target.clone(),
-                source,
-            })?;
+            left -= unpack(member, &target, left).map_err(Error::io(target))?;
             if left == 0 {
                 return Err(Error::TooLarge { limit: LARGEST });
             }
@@ -108,10 +95,7 @@ pub(super) fn new_folder() -> Result<PathBuf> {
 fn check_members(path: &Path, archive: &mut ZipArchive<File>) -> Result<()> {
     let mut left = LARGEST;
     for at in 0..archive.len() {
-        let member = archive.by_index_raw(at).map_err(|source| Error::Zip {
-            path: path.into(),
-            source,
-        })?;
+        let member = archive.by_index_raw(at).map_err(Error::zip(path))?;
         let name = member_name(path, &member)?;
         if !is_safe(&name) {
             return Err(Error::UnsafeMember { name });
@@ -130,10 +114,7 @@ fn check_members(path: &Path, archive: &mut ZipArchive<File>) -> Result<()> {
 }
 
 fn member_name(path: &Path, member: &ZipFile<'_, File>) -> Result<String> {
-    let name = member.name().map_err(|source| Error::Zip {
-        path: path.into(),
-        source,
-    })?;
+    let name = member.name().map_err(Error::zip(path))?;
     Ok(name.into_owned())
 }
 

@@ -34,10 +34,7 @@ pub(crate) fn members(model: &str, linked: &Linked) -> Result<Members> {
         let _ = writeln!(index, "{folder}: {}", stated(package));
         for file in files(package, &linked.workspace) {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            let text = fs::read(&file).map_err(|source| Error::Io {
-                path: file.clone(),
-                source,
-            })?;
+            let text = fs::read(&file).map_err(Error::io(&file))?;
             members.push((format!("{FOLDER}/{folder}/{name}"), text));
         }
     }

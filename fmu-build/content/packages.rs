@@ -43,10 +43,7 @@ pub(crate) fn linked(package: &str, folder: &Path) -> Result<Linked> {
         .args(["--filter-platform", &compiler.host])
         .current_dir(folder)
         .output()
-        .map_err(|source| Error::Io {
-            path: "cargo".into(),
-            source,
-        })?;
+        .map_err(Error::io("cargo"))?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         return Err(Error::Metadata { said });
@@ -68,10 +65,7 @@ impl Compiler {
     fn used() -> Result<Self> {
         let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let output = Command::new(rustc).arg("-vV").output();
-        let output = output.map_err(|source| Error::Io {
-            path: "rustc".into(),
-            source,
-        })?;
+        let output = output.map_err(Error::io("rustc"))?;
         let text = String::from_utf8_lossy(&output.stdout);
         let field = |name| text.lines().find_map(|line| line.strip_prefix(name));
         match (field("host: "), field("release: ")) {

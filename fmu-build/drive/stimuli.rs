@@ -19,10 +19,7 @@ pub(crate) struct Column<'a> {
 
 impl Stimuli {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let text = fs::read_to_string(path).map_err(|source| Error::Io {
-            path: path.into(),
-            source,
-        })?;
+        let text = fs::read_to_string(path).map_err(Error::io(path))?;
         Self::parse(&text).map_err(|(line, what)| Error::Stimuli {
             path: path.into(),
             line,

@@ -55,10 +55,7 @@ fn compressed(pixels: &[u8]) -> Result<Vec<u8>> {
         encoder.write_all(row)
     });
     let done = written.and_then(|()| encoder.finish());
-    done.map_err(|source| crate::Error::Io {
-        path: MEMBER.into(),
-        source,
-    })
+    done.map_err(crate::Error::io(MEMBER))
 }
 
 /// Where it lies in an FMU.

@@ -6,6 +6,7 @@
 
 mod table;
 
+use crate::step::SCENARIO;
 use crate::vehicle::{Vehicle, check_maps, invalid};
 use dct_driveline::Params;
 use dct_driveline::control::{Demand, Rate, Servo, Tuning};
@@ -147,11 +148,7 @@ impl Model for ClutchControl {
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const LICENSE: &'static str = env!("CARGO_PKG_LICENSE");
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
-    const EXPERIMENT: Experiment = Experiment {
-        start: 0.0,
-        stop: 30.0,
-        step: 1e-3,
-    };
+    const EXPERIMENT: Experiment = SCENARIO;
 
     fn initialize(&mut self, _time: f64, _log: &mut Log<'_>) -> Result<(), Failure> {
         self.consistent()?;

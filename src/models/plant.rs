@@ -16,7 +16,7 @@ mod table;
 mod thermal;
 mod tie;
 
-use crate::step::check_step;
+use crate::step::{SCENARIO, check_step};
 use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
@@ -248,11 +248,7 @@ impl Model for Plant {
     const VARIABLES: &'static [Variable<Self>] = table::VARIABLES;
     const STEPS_STAY_FINITE: bool = true;
     const TANGENT: bool = true;
-    const EXPERIMENT: Experiment = Experiment {
-        start: 0.0,
-        stop: 30.0,
-        step: 1e-3,
-    };
+    const EXPERIMENT: Experiment = SCENARIO;
 
     fn initialize(&mut self, time: f64, log: &mut Log<'_>) -> Result<(), Failure> {
         let (gears, step) = (self.gear.into(), Self::EXPERIMENT.step);

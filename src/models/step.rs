@@ -1,6 +1,9 @@
-//! The longest communication step of a model.
+//! Communication steps: those of the paper's scenario, and the longest of a model.
 
-use fmi2_cosim::{Failure, TIME_TOLERANCE};
+use fmi2_cosim::{Experiment, Failure, TIME_TOLERANCE};
+
+/// The paper's scenario at 1 kHz.
+pub(crate) const SCENARIO: Experiment = Experiment::new(0.0, 30.0, 1e-3);
 
 /// Refuses a `step` [s] above `longest` [s], rounding of an importer's differences aside.
 pub(crate) fn check_step(step: f64, longest: f64) -> Result<(), Failure> {
