@@ -130,6 +130,12 @@ def test_connections_transformations_and_parameter_sets(package: Callable[..., P
     ('value="250"', 'value="long"', "'second.tau': 'long' is no number and no known item"),
     ('target="4"/>', 'target="four"/>', "'second.n': 'four' is no number and no known item"),
     (' stopTime="1.0"', "", "says no stopTime; give --stop SECONDS"),
+    ('factor="-2"', 'factor="two"', "'factor': 'two' is no number"),
+    ("<ssd:DefaultExperiment", '<ssd:Units><ssc:Unit name="rpm"><ssc:BaseUnit rad="one"/>'
+     "</ssc:Unit></ssd:Units><ssd:DefaultExperiment", "'rad': 'one' is no whole number"),
+    ("</ssd:SystemStructureDescription>", '<ssd:Annotations><ssc:Annotation type="dct-harness">'
+     '<Run step="soon"/></ssc:Annotation></ssd:Annotations></ssd:SystemStructureDescription>',
+     "'step': 'soon' is no number"),
     ('<?xml version="1.0"?>', '<!DOCTYPE a [<!ENTITY b "c">]>', "declares a document type"),
 ])  # fmt: skip
 def test_what_cannot_run_is_refused(

@@ -2,7 +2,8 @@
 
 use roxmltree::Node;
 
-const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+/// SI base units, in the order of the exponents.
+pub const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
 /// A unit: value in SI = factor * value + offset.
 #[derive(Debug, Clone, PartialEq)]

@@ -71,7 +71,10 @@ impl<'d> Structure<'d> {
     pub fn new(file: PathBuf, description: Node<'d>) -> Result<Self, Error> {
         let root = one(description, "System");
         let root = root.ok_or_else(|| at(&file, description, "has no System"))?;
-        let units = every(description, "Units", "Unit").into_iter();
+        let mut units = HashMap::new();
+        for node in every(description, "Units", "Unit") {
+            units.insert(text(node, "name"), unit(&file, node)?);
+        }
         let mut structure = Self {
             root,
             components: IndexMap::new(),
@@ -79,7 +82,7 @@ impl<'d> Structure<'d> {
             fmus: HashMap::new(),
             hops: IndexMap::new(),
             connectors: HashMap::new(),
-            units: units.map(|node| (text(node, "name"), unit(node))).collect(),
+            units,
             codes: HashMap::new(),
             file,
         };

@@ -135,12 +135,12 @@ impl<'s, 'd> Values<'s, 'd> {
     /// Text and unit of each value of a parameter set, inline or in a file.
     fn parameters(&self, binding: Node<'_>) -> Result<IndexMap<String, Given>, Error> {
         if let Some(set) = one(binding, "ParameterValues").and_then(|v| elements(v).next()) {
-            return Ok(given(set));
+            return given(&self.structure.file, set);
         }
         let name = text(binding, "source");
         let text = self.package.text(name)?;
-        let document = parsed(&self.package.named(name), &text)?;
-        Ok(given(document.root_element()))
+        let file = self.package.named(name);
+        given(&file, parsed(&file, &text)?.root_element())
     }
 
     /// Source, target and change of each parameter that is bound.
@@ -236,9 +236,11 @@ fn typed(variable: &Variable, number: f64) -> Value {
 }
 
 /// Text and unit of each value of a parameter set.
-fn given(set: Node<'_>) -> IndexMap<String, Given> {
-    let units = every(set, "Units", "Unit").into_iter();
-    let units: HashMap<&str, Unit> = units.map(|node| (text(node, "name"), unit(node))).collect();
+fn given(file: &Path, set: Node<'_>) -> Result<IndexMap<String, Given>, Error> {
+    let mut units = HashMap::new();
+    for node in every(set, "Units", "Unit") {
+        units.insert(text(node, "name"), unit(file, node)?);
+    }
     let mut found = IndexMap::new();
     for parameter in every(set, "Parameters", "Parameter") {
         for value in elements(parameter).filter(|value| tag(*value) != "Annotations") {
@@ -251,7 +253,7 @@ fn given(set: Node<'_>) -> IndexMap<String, Given> {
             found.insert(text(parameter, "name").to_owned(), (word.to_owned(), unit));
         }
     }
-    found
+    Ok(found)
 }
 
 /// The entries of a parameter mapping.

@@ -1,7 +1,7 @@
 //! What all files of an .ssp share: elements by name whatever their namespace, numbers, units, places of errors.
 
 use crate::error::Error;
-use crate::unit::Unit;
+use crate::unit::{BASES, Unit};
 use std::path::Path;
 
 /// An element.
@@ -57,9 +57,19 @@ pub fn at(file: &Path, node: Node<'_>, what: impl Into<String>) -> Error {
 }
 
 /// A unit that a file defines; without a BaseUnit it measures nothing.
-pub fn unit(node: Node<'_>) -> Unit {
-    let name = text(node, "name");
-    Unit::read(node).map_or_else(|| Unit::named(name, [0; 8]), |(_, unit)| unit)
+pub fn unit(file: &Path, node: Node<'_>) -> Result<Unit, Error> {
+    let mut unit = Unit::named(text(node, "name"), [0; 8]);
+    let Some(base) = one(node, "BaseUnit") else {
+        return Ok(unit);
+    };
+    for (name, exponent) in BASES.iter().zip(&mut unit.exponents) {
+        let text = base.attribute(*name).unwrap_or("0");
+        let wrong = || at(file, base, format!("{name} = '{text}' is no whole number"));
+        *exponent = text.trim().parse().map_err(|_| wrong())?;
+    }
+    unit.factor = number(file, base, "factor", 1.0)?;
+    unit.offset = number(file, base, "offset", 0.0)?;
+    Ok(unit)
 }
 
 /// Reads an XML document; one with a document type is refused: entities expand without end.

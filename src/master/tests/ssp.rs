@@ -16,30 +16,7 @@ use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
 /// Writes the packages of the harness's own tests: two lags, and nested systems.
-const PACKAGES: &str = r#"
-import sys, zipfile
-from pathlib import Path
-sys.path.insert(0, "tests")
-import test_harness_ssp as two, test_ssp_nested as nested
-from harness_fixture.lag_fmu import compile_library, write_fmu
-out = Path(sys.argv[1])
-library = compile_library(out)
-def package(name, variables, types, members):
-    fmu = write_fmu(out / "Lag.fmu", library, variables)
-    with zipfile.ZipFile(out / name, "w") as whole, zipfile.ZipFile(fmu) as old:
-        for member, text in members.items():
-            whole.writestr(member, text)
-        with zipfile.ZipFile(out / "Typed.fmu", "w") as new:
-            for member in old.namelist():
-                data = old.read(member)
-                new.writestr(member, data.replace(b"<ModelVariables>", types + b"<ModelVariables>"))
-        whole.write(out / "Typed.fmu", "resources/Lag.fmu")
-sets = {"resources/all.ssv": two.SSV, "resources/all.ssm": two.SSM}
-package("two.ssp", two.CODED, b"", {"SystemStructure.ssd": two.SSD, **sets})
-package("nested.ssp", nested.VARIABLES, nested.TYPE.encode(), {"SystemStructure.ssd": nested.SSD})
-(out / "two.csv").write_text("time,push\n0,2\n1,7\n9,2\n")
-(out / "nested.csv").write_text("time,push,switch\n0,120,1\n9,180,1\n")
-"#;
+const PACKAGES: &str = "src/master/tests/ssp_packages.py";
 
 fn python(words: &[&str]) {
     let mut command = Command::new(root().join(".venv/bin/python"));
@@ -48,7 +25,7 @@ fn python(words: &[&str]) {
 
 fn packages() -> TempDir {
     let folder = TempDir::new().unwrap();
-    python(&["-c", PACKAGES, &folder.path().display().to_string()]);
+    python(&[PACKAGES, &folder.path().display().to_string()]);
     folder
 }
 
@@ -119,7 +96,7 @@ fn nested_systems_transformations_and_parameter_sets_agree_with_fmpy() {
 }
 
 /// What in which file of `two.ssp` is replaced by what, and what is told.
-const FAULTS: [(&str, &str, &str, &str); 25] = [
+const FAULTS: [(&str, &str, &str, &str); 27] = [
     (
         SSD,
         "source=\"resources/Lag.fmu\"",
@@ -245,6 +222,19 @@ const FAULTS: [(&str, &str, &str, &str); 25] = [
         "factor=\"-2\"",
         "factor=\"two\"",
         "SystemStructure.ssd:22: factor = 'two' is no number",
+    ),
+    (
+        SSD,
+        "<ssd:DefaultExperiment",
+        "<ssd:Units><ssc:Unit name='rpm'><ssc:BaseUnit rad='one'/></ssc:Unit></ssd:Units><ssd:DefaultExperiment",
+        "SystemStructure.ssd:35: rad = 'one' is no whole number",
+    ),
+    (
+        SSD,
+        "</ssd:SystemStructureDescription>",
+        "<ssd:Annotations><ssc:Annotation type='dct-harness'><Run step='soon'/></ssc:Annotation></ssd:Annotations>\
+         </ssd:SystemStructureDescription>",
+        "step = 'soon' is no number",
     ),
     (
         SSD,

@@ -19,7 +19,7 @@ from ..fmu.values import KINDS, group_of
 from ..system import scenario as scenarios
 from ..system.system import Component, System
 from ..system.transforms import Transform
-from .structure import Node, Structure, every, one, real, tag, transformation, unit
+from .structure import Node, Structure, every, one, real, tag, transformation, unit, whole
 
 STRUCTURE = "SystemStructure.ssd"
 STEP = 1e-3  # s, where nobody says another one
@@ -79,12 +79,16 @@ class Package:
         if scenario is None and any(s.startswith("scenario.") for s in connections.values()):
             raise ConfigError(f"{self.path}: has inputs of its own; give --scenario FILE.csv")
         for note in (e for e in notes if tag(e) == "Substeps"):
-            components[note.get("component", "")].substeps = int(note.get("count", 1))
+            component = note.get("component", "")
+            if component not in components:
+                raise ConfigError(f"{self.path}: Substeps: no component '{component}'")
+            components[component].substeps = whole(self.path, note, "count", "1")
         name = self._flat.root.get("name") or self.path.stem
         return System(
-            name, notes.get("title", name), step or float(notes.get("step", STEP)),
+            name, notes.get("title", name),
+            step or real(self.path, "step", notes.get("step", str(STEP))),
             float(stop if stop is not None else told or 0), scenario, components, connections,
-            self.path, [_limit(e) for e in notes if tag(e) == "Limit"],
+            self.path, [self._limit(e) for e in notes if tag(e) == "Limit"],
             notes.get("coupling", "gauss-seidel"), notes.get("interpolate") == "true",
             explicit=True, transforms=transforms,
         )  # fmt: skip
@@ -204,7 +208,7 @@ class Package:
         root = inline[0] if inline is not None and len(inline) else None
         if root is None:
             root = self._xml(binding.get("source", ""))
-        known = {u.get("name"): unit(u) for u in every(root, "Units", "Unit")}
+        known = {u.get("name"): unit(self.path, u) for u in every(root, "Units", "Unit")}
         found = {}
         for parameter in every(root, "Parameters", "Parameter"):
             for value in (v for v in parameter if tag(v) != "Annotations"):
@@ -239,7 +243,7 @@ class Package:
         def number(text: str | None) -> float:
             return real(self.path, source, words.get(text or "", text))
 
-        return transformation(entry, number, number)
+        return transformation(self.path, entry, number, number)
 
     def _value(
         self, node: Node, variable: Any, text: str, given: units.Unit | None, change: Transform
@@ -260,7 +264,7 @@ class Package:
             value = a * value + b
         return KINDS[group_of(variable)](change.at(value))
 
-
-def _limit(element: Element) -> dict[str, Any]:
-    """Return a limit of a KPI, as a system file has it."""
-    return {k: float(v) if k in ("min", "max") else v for k, v in element.attrib.items()}
+    def _limit(self, element: Element) -> dict[str, Any]:
+        """Return a limit of a KPI, as a system file has it."""
+        return {k: real(self.path, k, v) if k in ("min", "max") else v
+                for k, v in element.attrib.items()}  # fmt: skip

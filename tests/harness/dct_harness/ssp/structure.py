@@ -49,9 +49,9 @@ class Structure:
         self.systems: dict[str, Element] = {}
         self.descriptions: dict[str, Any] = {}  # by component; set from outside
         self._hops: dict[Node, tuple[Node, Element]] = {}
-        self._units = {u.get("name", ""): unit(u) for u in every(root, "Units", "Unit")}
+        self._units = {u.get("name", ""): unit(path, u) for u in every(root, "Units", "Unit")}
         self._codes = {
-            e.get("name", ""): {i.get("name", ""): float(i.get("value", 0)) for i in e}
+            e.get("name", ""): {i.get("name", ""): _number(path, i, "value", "0") for i in e}
             for e in every(root, "Enumerations", "Enumeration")
         }
         self._connectors: dict[Node, Element] = {}
@@ -181,7 +181,7 @@ class Structure:
         """Return what happens to a value from its source to the input: per hop, units first."""
         found, carried = Transform(), self.unit(feed.source)
         for giver, taker, connection in feed.hops:
-            told = transformation(connection, self._coder(giver), self._coder(taker))
+            told = transformation(self.path, connection, self._coder(giver), self._coder(taker))
             unit = self.unit(taker)
             try:
                 if carried and unit and not told.table and not _suppressed(connection):
@@ -211,12 +211,14 @@ class Structure:
 
 
 def transformation(
-    element: Element, source: Callable[[str | None], float], target: Callable[[str | None], float]
-) -> Transform:
+    path: Path, element: Element, source: Callable[[str | None], float],
+    target: Callable[[str | None], float],
+) -> Transform:  # fmt: skip
     """Return the transformation that stands in a connection or a mapping entry."""
     for child in element:
         if tag(child) == "LinearTransformation":
-            return Transform(float(child.get("factor", 1)), float(child.get("offset", 0)))
+            line = ("factor", "1"), ("offset", "0")
+            return Transform(*(_number(path, child, *attribute) for attribute in line))
         if tag(child).endswith("MappingTransformation"):
             rows = (e for e in child if tag(e) == "MapEntry")
             return Transform(table={source(e.get("source")): target(e.get("target")) for e in rows})
@@ -235,13 +237,28 @@ def real(path: Path, what: str, text: str | None) -> float:
         raise ConfigError(f"{path}: '{what}': '{text}' is no number and no known item") from None
 
 
-def unit(element: Element) -> units.Unit:
+def _number(path: Path, element: Element, name: str, otherwise: str) -> float:
+    """Read an attribute that is a number."""
+    return real(path, name, element.get(name, otherwise))
+
+
+def whole(path: Path, element: Element, name: str, otherwise: str) -> int:
+    """Read an attribute that is a whole number."""
+    text = element.get(name, otherwise)
+    try:
+        return int(text)
+    except ValueError:
+        raise ConfigError(f"{path}: '{name}': '{text}' is no whole number") from None
+
+
+def unit(path: Path, element: Element) -> units.Unit:
     """Return a unit that an SSD or a parameter set defines."""
-    base = one(element, "BaseUnit")
-    told = dict(base.attrib) if base is not None else {}
-    exponents = tuple((b, int(told[b])) for b in units.BASES if int(told.get(b, 0)))
-    return units.Unit(element.get("name", ""), exponents, float(told.get("factor", 1)),
-                      float(told.get("offset", 0)))  # fmt: skip
+    name, base = element.get("name", ""), one(element, "BaseUnit")
+    if base is None:
+        return units.Unit(name)
+    exponents = ((b, whole(path, base, b, "0")) for b in units.BASES)
+    factor, offset = _number(path, base, "factor", "1"), _number(path, base, "offset", "0")
+    return units.Unit(name, tuple((b, n) for b, n in exponents if n), factor, offset)
 
 
 def tag(element: Element) -> str:
