@@ -217,8 +217,8 @@ def transformation(
     """Return the transformation that stands in a connection or a mapping entry."""
     for child in element:
         if tag(child) == "LinearTransformation":
-            line = ("factor", "1"), ("offset", "0")
-            return Transform(*(_number(path, child, *attribute) for attribute in line))
+            factor = _number(path, child, "factor", "1")
+            return Transform(factor, _number(path, child, "offset", "0"))
         if tag(child).endswith("MappingTransformation"):
             rows = (e for e in child if tag(e) == "MapEntry")
             return Transform(table={source(e.get("source")): target(e.get("target")) for e in rows})
