@@ -22,29 +22,41 @@
 //! Λ = P⁻¹ − P_0⁻¹,   η = P⁻¹ ℓ
 //! ```
 //!
-//! Each witness is right within its core c_j or, seldom, far off (a Student distribution of n degrees), so the factor is
-//! their robust mean, least squares of η = Λ (s 1 + e) with errors e of variances W_j:
+//! Each witness is right, within its core c_j, or it is wrong and as far off as was believed, σ_j; the one is as likely as
+//! the other, and T_e is wrong three times in ten. For every suspicion S, of who is wrong, all of it is normal, so the factor and
+//! what speaks for S have a closed form:
 //!
 //! ```text
-//! ŝ = uᵀη/(uᵀΛ1 + 1/W_0),   u = (Λ + W⁻¹)⁻¹ W⁻¹ 1,   W_j = c_j² (n + r_j²/c_j²)/(n + 1),  r_j = ℓ_j − s
+//! W_j = σ_j² if wrong, else c_j²,   u = (Λ + W⁻¹)⁻¹ W⁻¹ 1,   ŝ_S = v_S uᵀη,   1/v_S = uᵀΛ1 + 1/W_0
+//! p_S ∝ π_0 √(v_S/(W_0 |1 + WΛ|)) exp ½(ηᵀ(Λ + W⁻¹)⁻¹η + v_S (uᵀη)² − ηᵀℓ)      (ηᵀℓ is the same for all)
+//! s = Σ p_S ŝ_S,   var s = Σ p_S (v_S + ŝ_S²) − s²
 //! ```
 //!
-//! (iterated as time goes on; r_0 = s for T_e itself). One error alone is outvoted whichever it is; σ_j = 0 makes
-//! a witness the anchor.
+//! One error alone is outvoted whichever it is. Where two readings explain what speeds show, as three witnesses that
+//! are off by the same share against T_e and two, s lies between them and its deviation covers both. A
+//! suspicion of the witnesses is heard a millisecond; σ_j = 0 makes a witness the anchor.
 
+use crate::observer::Visit;
 use nalgebra::{ComplexField, SMatrix, SVector};
 
 /// One number for each witness.
 pub type Ratios = SVector<f64, WITNESSES>;
 /// Their covariance.
 pub type Square = SMatrix<f64, WITNESSES, WITNESSES>;
+/// 1 for each witness that is suspected, else 0.
+type Suspected = [f64; WITNESSES];
 
 /// Witnesses beside T_e: J_ed, k_o, c_o, J_out, J_v.
 pub const WITNESSES: usize = 5;
-/// n: degrees of freedom of the Student distribution; few make one error cheap.
-const FREEDOM: f64 = 1.0;
-/// c_j: how far a witness that is right may be off [1], where the user gives it no less.
-const CORE: f64 = 0.025;
+/// c_j: how far a value that is right may be off [1], where the user gives it no less.
+const CORE: f64 = 0.01;
+/// Odds that T_e is wrong: three in ten.
+const ODDS: f64 = 3.0 / 7.0;
+/// Time for which a suspicion is heard [s], and how many there are.
+const TURN: f64 = 1e-3;
+const TURNS: f64 = 32.0;
+/// Largest exponent of p_S; with ηᵀℓ taken off it stays far below.
+const LARGEST: f64 = 300.0;
 /// Variance that keeps what an anchor says invertible [1].
 const EXACT: f64 = 1e-12;
 /// Time constant with which the factor follows [s].
@@ -57,6 +69,12 @@ pub struct Anchor {
     pub s: f64,
     /// Its variance [1].
     pub variance: f64,
+    /// Where s goes: what all suspicions said together [1].
+    mean: f64,
+    /// Σ p_S, Σ p_S ŝ_S, Σ p_S (v_S + ŝ_S²) of those that were heard since.
+    sum: [f64; 3],
+    /// S, as of the witnesses, that is heard next: 1 where wrong, else 0.
+    suspected: Suspected,
 }
 
 impl Anchor {
@@ -65,30 +83,137 @@ impl Anchor {
         ComplexField::exp(-self.s)
     }
 
+    /// What is believed before a drive; `sigma` of T_e [1].
+    pub fn new(sigma: f64) -> Self {
+        Self {
+            variance: sigma * sigma,
+            ..Self::default()
+        }
+    }
+
     /// Takes the ratios ℓ with covariance P, shape (5) and (5, 5), `h` [s] after the last ones.
     ///
     /// `sigma`: deviations of T_e and the five witnesses before the drive [1], shape (6).
     pub fn step(&mut self, ratio: &Ratios, p: &Square, sigma: [f64; WITNESSES + 1], h: f64) {
-        let own = spread(sigma[0], self.s);
-        if own <= 0.0 {
+        if sigma[0] <= 0.0 {
             *self = Self::default();
             return;
         }
         let Some(believed) = (p + Square::identity() * EXACT).cholesky() else {
             return;
         };
-        let precision = believed.inverse();
-        let shown = precision - before(sigma);
-        let trust = Ratios::from_fn(|j, _| 1.0 / (spread(sigma[j + 1], ratio[j] - self.s) + EXACT));
-        let Some(both) = (shown + Square::from_diagonal(&trust)).cholesky() else {
-            return;
-        };
-        let weights = both.solve(&trust);
-        let told = weights.dot(&shown.column_sum()).max(0.0);
-        self.variance = 1.0 / (told + 1.0 / own);
-        let best = weights.dot(&(precision * ratio)) * self.variance;
-        self.s += (best - self.s) * (1.0 - ComplexField::exp(-h / TAU));
+        let shown = Shown::new(&believed.inverse(), ratio, sigma);
+        let (mut heard, due) = (0.5, (h / TURN).clamp(1.0, TURNS));
+        while heard < due {
+            self.hear(&shown, sigma);
+            heard += 1.0;
+        }
+        self.s += (self.mean - self.s) * (1.0 - ComplexField::exp(-h / TAU));
     }
+
+    /// Hears the next suspicion; after the last one, what all say together.
+    fn hear(&mut self, shown: &Shown, sigma: [f64; WITNESSES + 1]) {
+        for said in shown.suspecting(self.suspected, sigma) {
+            self.sum[0] += said.weight;
+            self.sum[1] += said.weight * said.s;
+            self.sum[2] += said.weight * (said.variance + said.s * said.s);
+        }
+        next(&mut self.suspected);
+        let all = self.suspected == [0.0; WITNESSES];
+        let [weight, first, second] = self.sum;
+        if all && weight > 0.0 {
+            self.mean = first / weight;
+            self.variance = (second / weight - self.mean * self.mean).max(0.0);
+        }
+        if all {
+            self.sum = [0.0; 3];
+        }
+    }
+
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        visit(&mut self.s);
+        visit(&mut self.variance);
+        visit(&mut self.mean);
+        self.sum.iter_mut().for_each(&mut *visit);
+        self.suspected.iter_mut().for_each(visit);
+    }
+}
+
+/// Counts through all suspicions; none comes after all.
+fn next(suspected: &mut Suspected) {
+    for one in suspected {
+        *one = 1.0 - *one;
+        if *one > 0.0 {
+            return;
+        }
+    }
+}
+
+/// What a suspicion says.
+#[derive(Debug, Clone, Copy)]
+struct Said {
+    /// p_S, but for a factor that all have.
+    weight: f64,
+    /// ŝ_S.
+    s: f64,
+    /// v_S.
+    variance: f64,
+}
+
+/// What speeds have shown: ℓ, Λ, η.
+#[derive(Debug)]
+struct Shown {
+    ratio: Ratios,
+    lambda: Square,
+    eta: Ratios,
+}
+
+impl Shown {
+    /// From P⁻¹ and ℓ.
+    fn new(precision: &Square, ratio: &Ratios, sigma: [f64; WITNESSES + 1]) -> Self {
+        Self {
+            ratio: *ratio,
+            lambda: precision - before(sigma),
+            eta: precision * ratio,
+        }
+    }
+
+    /// What follows if these witnesses are wrong and the others right, and T_e is right, or wrong.
+    fn suspecting(&self, wrong: Suspected, sigma: [f64; WITNESSES + 1]) -> [Said; 2] {
+        let w = Ratios::from_fn(|j, _| spread(sigma[j + 1], wrong[j] > 0.0) + EXACT);
+        let trust = w.map(|variance| 1.0 / variance);
+        let Some(both) = (self.lambda + Square::from_diagonal(&trust)).cholesky() else {
+            return [Said::NOTHING; 2];
+        };
+        let [u, fitted] = [trust, self.eta].map(|side| both.solve(&side));
+        let told = u.dot(&self.lambda.column_sum()).max(0.0);
+        let sum = u.dot(&self.eta);
+        let fit = self.eta.dot(&(fitted - self.ratio));
+        let size: f64 = (0..WITNESSES)
+            .map(|j| w[j] * both.l_dirty()[(j, j)].powi(2))
+            .product();
+        [(false, 1.0), (true, ODDS)].map(|(wrong, odds)| {
+            let own = spread(sigma[0], wrong);
+            let variance = 1.0 / (told + 1.0 / own);
+            let fit = 0.5 * (fit + variance * sum * sum);
+            let room = ComplexField::sqrt(variance / (own * size));
+            Said {
+                weight: odds * room * ComplexField::exp(fit.min(LARGEST)),
+                s: variance * sum,
+                variance,
+            }
+        })
+    }
+}
+
+impl Said {
+    /// Of a suspicion that what is shown rules out.
+    const NOTHING: Self = Self {
+        weight: 0.0,
+        s: 0.0,
+        variance: 0.0,
+    };
 }
 
 /// P_0⁻¹, by Sherman and Morrison: of a diagonal and one direction.
@@ -98,18 +223,15 @@ fn before(sigma: [f64; WITNESSES + 1]) -> Square {
     Square::from_diagonal(&single) - single * single.transpose() / common
 }
 
-/// W_j: variance of a witness of deviation `sigma` that is `r` off [1]; none for an anchor.
-fn spread(sigma: f64, r: f64) -> f64 {
-    if sigma <= 0.0 {
-        return 0.0;
-    }
-    let core = CORE.min(sigma);
-    (FREEDOM * core * core + r * r) / (FREEDOM + 1.0)
+/// W_j: variance of a value of deviation `sigma` [1]; none of an anchor.
+fn spread(sigma: f64, wrong: bool) -> f64 {
+    let sigma = if wrong { sigma } else { sigma.min(CORE) };
+    sigma * sigma
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Anchor, Ratios, Square, WITNESSES, before};
+    use super::{Anchor, ODDS, Ratios, Shown, Square, Suspected, WITNESSES, before, next, spread};
 
     const SIGMA: [f64; WITNESSES + 1] = [0.06, 0.3, 0.1, 0.2, 0.1, 0.2];
 
@@ -151,6 +273,71 @@ mod tests {
             ratio[j] = 0.2;
             assert!(settled(ratio, SIGMA).abs() < 0.005, "{j}");
         }
+    }
+
+    /// T_e and two more stand against them; that it might still be T_e shows in the deviation.
+    #[test]
+    fn three_witnesses_that_err_alike_hardly_move_the_torque() {
+        let shown = Square::identity() / (0.01 * 0.01);
+        let p = (shown + before(SIGMA)).try_inverse().unwrap();
+        let settled = |off: f64| {
+            let ratio = Ratios::from([off, off, 0.0, 0.0, off]);
+            let mut anchor = Anchor::default();
+            for _ in 0..3000 {
+                anchor.step(&(p * shown * ratio), &p, SIGMA, 1e-3);
+            }
+            (anchor.s, anchor.variance.sqrt())
+        };
+        let ((none, sure), (s, unsure)) = (settled(0.0), settled(0.165));
+        assert!(none.abs() < 1e-9 && s.abs() < 0.01, "{none} {s}");
+        assert!(unsure > 2.0 * sure && s < unsure, "{s}: {sure} {unsure}");
+    }
+
+    /// Against the normal density of what speeds show, ℓ = η/Λ of covariance W + W_0 1 1ᵀ + Λ⁻¹.
+    #[test]
+    fn what_speaks_for_a_suspicion_is_its_density() {
+        let half = Square::from_iterator((1..=25_u8).map(|k| 3.0 / f64::from(k)));
+        let lambda = half * half.transpose() * 300.0 + Square::identity() * 500.0;
+        let ratio = Ratios::from([0.05, -0.02, 0.03, 0.08, 0.01]);
+        let precision = lambda + before(SIGMA);
+        let shown = Shown::new(
+            &precision,
+            &(precision.try_inverse().unwrap() * lambda * ratio),
+            SIGMA,
+        );
+        let density = |wrong: Suspected, torque: bool| {
+            let w = Ratios::from_fn(|j, _| spread(SIGMA[j + 1], wrong[j] > 0.0));
+            let common = Square::repeat(spread(SIGMA[0], torque));
+            let all = Square::from_diagonal(&w) + common + lambda.try_inverse().unwrap();
+            let inverse = all.try_inverse().unwrap();
+            let odds = if torque { ODDS } else { 1.0 };
+            let s = (common * inverse * ratio)[0];
+            (
+                odds * (-0.5 * ratio.dot(&(inverse * ratio))).exp() / all.determinant().sqrt(),
+                s,
+            )
+        };
+        let mut wrong = [0.0; WITNESSES];
+        let unit = shown.suspecting(wrong, SIGMA)[0].weight / density(wrong, false).0;
+        for _ in 0..32 {
+            for (torque, said) in [false, true]
+                .into_iter()
+                .zip(shown.suspecting(wrong, SIGMA))
+            {
+                let (expected, s) = density(wrong, torque);
+                assert!(
+                    (said.weight / unit / expected - 1.0).abs() < 1e-6,
+                    "{wrong:?} {torque}"
+                );
+                assert!(
+                    (said.s - s).abs() < 1e-9,
+                    "{wrong:?} {torque}: {} {s}",
+                    said.s
+                );
+            }
+            next(&mut wrong);
+        }
+        assert_eq!(wrong, [0.0; WITNESSES]);
     }
 
     #[test]

@@ -162,6 +162,7 @@ impl Observer for Calibrating {
             tracker: Tracker::new(settings, Vector::zeros(), sigma),
             map: [0, 1]
                 .map(|i| FrictionMap::new(settings.mu_n[i], settings.calibrating.friction[i])),
+            anchor: Anchor::new(settings.calibrating.sigma[0]),
             ..Self::default()
         };
         settings.calibrating.correlate(&mut self.tracker.belief.p);
@@ -205,8 +206,7 @@ impl Observer for Calibrating {
 
     fn visit(&mut self, visit: Visit<'_>) {
         self.tracker.visit(visit);
-        visit(&mut self.anchor.s);
-        visit(&mut self.anchor.variance);
+        self.anchor.visit(visit);
         self.grip.visit(visit);
         self.slope.iter_mut().for_each(&mut *visit);
         self.map.iter_mut().for_each(|map| map.visit(visit));
