@@ -63,6 +63,19 @@ def test_a_foreign_fmu_that_misbehaves_is_an_error(
     assert done.returncode == code, done.stderr
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+    assert len(results.load(tmp_path / "out").time) == 101  # from t = 0.1 s on it misbehaves
+
+
+@pytest.mark.parametrize("isolate", ["none", "foreign"])
+def test_rows_before_a_call_that_never_returns_are_kept(
+    tmp_path: Path, hostile: Path, isolate: str
+) -> None:
+    options = ("--set", f"plant.mode={HANG}", "--timeout", "1", "--isolate", isolate)
+    done = run(write_system(tmp_path), hostile, *NATIVE, *options)
+    assert done.returncode == 5, done.stderr
+    assert "an FMU does not return" in done.stderr
+    kept = results.load(tmp_path / "out")
+    assert (len(kept.time), kept.run["status"]) == (101, "partial")
 
 
 @pytest.mark.parametrize(("value", "said", "rows"), [

@@ -22,6 +22,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from numpy.lib.format import open_memmap
 
 from ..errors import (
     ConfigError,
@@ -44,6 +45,7 @@ ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": Confi
           "ended": InterruptedRunError}  # fmt: skip
 NEWEST = "Fmus"  # what cosim_native has had only since its interface is the present one
 PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
+ROWS = "rows.npy"  # what the other process makes, while it does
 STEPS, END = "steps", "end"  # files: how far the other process is, and that it is to end
 BEAT = 0.05  # s between two looks at the other process
 GRACE = 1.0  # s; a call into an FMU that takes longer than this past the end hangs
@@ -76,8 +78,11 @@ class NativeRun(Run):
         def ended(steps: int) -> bool:
             if progress is not None:
                 progress(steps, last)
+            if self.abort is not None and not foreign:  # it may be that no call returns any more
+                self.rows = _good(self._samples)
             return self.abort is not None
 
+        self._samples[1:] = np.nan
         if foreign:
             rows, error, self._said = self._apart(plan, ended)
         else:
@@ -140,6 +145,8 @@ class NativeRun(Run):
             folder = Path(name)
             (folder / PLAN).write_text(plan, encoding="utf-8")
             np.savez(folder / INPUT, times=self.times, script=self.script)
+            rows = open_memmap(folder / ROWS, "w+", shape=self._samples.shape)
+            rows[:] = self._samples
             command = [sys.executable, "-m", __name__, name, str(int(self.limits.memory))]
             inside = {**os.environ, "TMPDIR": name}  # what a crash leaves goes with the folder
             null = subprocess.DEVNULL
@@ -148,12 +155,13 @@ class NativeRun(Run):
                     code = self._awaited(process, folder, ended)
                 finally:
                     process.kill()
+                    self.rows = np.array(_good(rows))
             if code or not (folder / OUTPUT).is_file():
                 raise FmuRuntimeError(
                     f"the process of the native loop ended with {_ending(code)}; "
                     f"{REMEDY} to see in which FMU and call"
                 )
-            return _read(folder / OUTPUT)
+            return self.rows, *_read(folder / OUTPUT)
 
     def _awaited(self, process: subprocess.Popen[bytes], folder: Path, ended: Ended) -> int:
         """Return the exit code of the other process, which ends early when it is told to."""
@@ -202,15 +210,21 @@ def _ending(code: int) -> str:
     return f"signal {-code}" if code < 0 else f"exit code {code}"
 
 
-def _read(path: Path) -> Made:
+def _good(rows: np.ndarray) -> np.ndarray:
+    """Return the rows before the first one that is not all numbers: those that are made."""
+    good = np.isfinite(rows).all(axis=1)
+    return rows if good.all() else rows[: int(np.argmin(good))]
+
+
+def _read(path: Path) -> tuple[HarnessError | None, Said]:
     with np.load(path) as told:
         kind, text = (str(part) for part in told["error"])
-        return told["rows"], ERRORS[kind](text) if kind else None, json.loads(str(told["log"]))
+        return ERRORS[kind](text) if kind else None, json.loads(str(told["log"]))
 
 
 def made(
     plan: str, times: np.ndarray, script: np.ndarray, folder: str | Path, ended: Ended,
-    out: list[np.ndarray] | None = None,
+    out: list[np.ndarray],
 ) -> Made:  # fmt: skip
     """Return the rows of one loop, shape (samples, signals), why they are not all there, the log.
 
@@ -259,12 +273,13 @@ def main(folder: Path, memory: int) -> None:
     limit(memory * (1 << 20))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends it to both processes
     plan = (folder / PLAN).read_text("utf-8")
+    rows = np.asarray(open_memmap(folder / ROWS, "r+"))
     with np.load(folder / INPUT) as given:
         work = (plan, given["times"], given["script"], folder)
-        rows, error, log = made(*work, lambda steps: _told(folder, steps))
+        _, error, log = made(*work, lambda steps: _told(folder, steps), out=[rows])
     kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
     told = np.array([kind, str(error or "")])
-    np.savez(folder / OUTPUT, rows=rows, error=told, log=np.array(json.dumps(log)))
+    np.savez(folder / OUTPUT, error=told, log=np.array(json.dumps(log)))
 
 
 if __name__ == "__main__":
