@@ -259,29 +259,29 @@ fn check_structure(description: &Description, report: &mut Report) {
             check_kinds(list, unknown, report);
         }
     }
+    refuse_set_unknowns(description, report);
+    refuse_derivatives_of_nothing(description, report);
+}
+
+fn refuse_set_unknowns(description: &Description, report: &mut Report) {
     let set = |index: usize| {
         let variable = description.variables().get(index.wrapping_sub(1))?;
         matches!(variable.causality.as_str(), "input" | "parameter").then_some(&variable.name)
     };
-    for name in structure
-        .initial_unknowns
-        .unknowns
-        .iter()
-        .filter_map(|u| set(u.index))
-    {
-        report.error(
-            "2.2.8",
-            format!("InitialUnknowns: {name} is set, not computed"),
-        );
+    let unknowns = &description.structure.initial_unknowns.unknowns;
+    for name in unknowns.iter().filter_map(|unknown| set(unknown.index)) {
+        let text = format!("InitialUnknowns: {name} is set, not computed");
+        report.error("2.2.8", text);
     }
+}
+
+fn refuse_derivatives_of_nothing(description: &Description, report: &mut Report) {
     let count = description.variables().len();
-    for unknown in &structure.derivatives.unknowns {
+    for unknown in &description.structure.derivatives.unknowns {
         if !(1..=count).contains(&unknown.index) {
             let index = unknown.index;
-            report.error(
-                "2.2.8",
-                format!("Derivatives: the unknown {index} points at no variable"),
-            );
+            let text = format!("Derivatives: the unknown {index} points at no variable");
+            report.error("2.2.8", text);
         }
     }
 }

@@ -56,17 +56,14 @@ impl Plant {
     ) -> Output {
         let now = self.outputs(p, systems, input);
         let mut dv = self.torque_change(p, input, dx, du);
-        for (i, torque) in self
-            .friction_by_heat(p, input.force, heat)
-            .into_iter()
-            .enumerate()
-        {
-            dv[1 + i] += torque;
-        }
+        let [one, two] = self.friction_by_heat(p, input.force, heat);
+        (dv[1], dv[2]) = (dv[1] + one, dv[2] + two);
         let system = &systems.by_stuck[stuck_set(self.modes)];
         let t_c = [0, 1].map(|i| system.rows.torque[i].of(dx, &dv));
-        let slips = [0, 1].map(|i| self.modes[i] != Mode::Stuck);
-        let slip = [0, 1].map(|i| if slips[i] { dx[D] - dx[C + i] } else { 0.0 });
+        let slip = [0, 1].map(|i| match self.modes[i] {
+            Mode::Stuck => 0.0,
+            _ => dx[D] - dx[C + i],
+        });
         let [t_d, mut t_t @ .., t_o] = systems.spring_torques(dx);
         for i in (0..2).filter(|i| systems.rigid_ratio[*i] != 0.0) {
             let omega_c_dot = system.rate(C + i, dx, &dv);
