@@ -16,16 +16,19 @@ use core::ptr::{from_mut, from_ref};
 const ARMS: u32 = 256;
 /// Bits of a word that a row shares with few others: from the lowest one on.
 const OWN: u32 = 24;
-/// The bits of a word to which those of up to [`OWN`] rows add up, and no more.
-const SUM: u64 = (1 << 28) - 1;
 /// Bit of what has no place, or is no Real.
 const ELSEWHERE: u64 = 1 << 28;
 /// Bit of what the model computes.
 const COMPUTED: u64 = 1 << 29;
 /// Bit of what is computed on demand.
 const ON_DEMAND: u64 = 1 << 30;
-/// Where in a word the distance from the start of [`Saved`] begins.
-const DISTANCE: u32 = 32;
+/// Bits of what cannot be set at a communication point.
+const FIXED: u64 = ELSEWHERE | COMPUTED;
+/// Where in a word the distance from the start of [`Saved`] begins: above what the bits of [`OWN`] rows add up to.
+const DISTANCE: u32 = 36;
+/// The largest distance that fits above it.
+const FARTHEST: u64 = u64::MAX >> DISTANCE;
+const _: () = assert!((OWN as u64 + 1) * (ELSEWHERE | COMPUTED | ON_DEMAND) < 1 << DISTANCE);
 
 /// What is known of a Real.
 #[derive(Clone, Copy)]
@@ -92,7 +95,8 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
         return false;
     }
     let mut value = values.as_ptr_range().end;
-    let (mut words, mut sum) = (0, 0_u64);
+    // Bits that are there once add up to what they are together; those that may not be there are there before.
+    let (mut words, mut sum) = (FIXED, FIXED);
     for &reference in references.iter().rev() {
         if reference >= ARMS {
             return false;
@@ -106,8 +110,7 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
         words |= known.word;
         sum = sum.wrapping_add(known.word);
     }
-    // Bits that are there once add up to what they are together.
-    let plain = words & (ELSEWHERE | COMPUTED) == 0 && (words ^ sum) & SUM == 0;
+    let plain = (words ^ sum) << (u64::BITS - DISTANCE) == 0;
     if plain {
         for (&reference, &value) in references.iter().zip(values).rev() {
             *field(saved, reference) = value;
@@ -127,6 +130,7 @@ fn field<M: Model>(saved: &mut Saved<M>, reference: u32) -> &mut f64 {
 
 impl Real {
     const fn nowhere<M>() -> Self {
+        const { assert!(size_of::<Saved<M>>() as u64 <= FARTHEST) };
         Self {
             word: ELSEWHERE | (offset_of!(Saved<M>, time) as u64) << DISTANCE,
             low: f64::MIN,
@@ -182,7 +186,7 @@ fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Real {
     };
     let start = from_ref(saved).addr();
     let distance = from_ref(field(&mut saved.model)).addr().wrapping_sub(start);
-    if distance <= size_of::<Saved<M>>() - size_of::<f64>() && distance <= u32::MAX as usize {
+    if distance <= size_of::<Saved<M>>() - size_of::<f64>() && distance as u64 <= FARTHEST {
         let word = real.word | (distance as u64) << DISTANCE;
         Real { word, ..real }
     } else {
@@ -368,7 +372,9 @@ mod tests {
         for twice in [[INPUT, INPUT], [FREE, FREE], [INPUT, ONE_OF_MANY]] {
             assert!(!plain(&twice, &[0.0; 2]));
         }
-        let many = [FREE; super::OWN as usize];
-        assert!((2..=many.len()).all(|count| !plain(&many[..count], &[0.0; 24][..count])));
+        for reference in [FREE, OUTPUT, FAR] {
+            let many = [reference; super::OWN as usize];
+            assert!((2..=many.len()).all(|count| !plain(&many[..count], &[0.0; 24][..count])));
+        }
     }
 }
