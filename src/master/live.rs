@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::fmu::said;
-use crate::parallel::{Outcome, Told};
+use crate::outcome::{Outcome, Told};
 use crate::plan::Plan;
-use crate::recorder::open;
+use crate::recorder::{Seen, open};
 use cosim_raw::{Calls, Log};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -14,14 +14,6 @@ pub struct Live {
     calls: Arc<Calls>,
     logs: OnceLock<Vec<(String, Arc<Log>)>>,
     pub(crate) seen: Mutex<Seen>,
-}
-
-/// Rows so far.
-#[derive(Default)]
-pub struct Seen {
-    pub names: Vec<String>,
-    pub rows: Vec<f64>,
-    pub good: usize,
 }
 
 impl Live {

@@ -2,12 +2,12 @@
 
 use crate::error::Error;
 use crate::library::Libraries;
-use crate::live::{Live, Seen};
+use crate::live::Live;
+use crate::outcome::{Outcome, Told};
 use crate::plan::Plan;
-use crate::recorder::{Recorder, Rows, open};
+use crate::recorder::{Recorder, Rows, Seen, open};
 use crate::run::Run;
 use crate::watch::Watch;
-use cosim_raw::Message;
 use std::num::NonZero;
 use std::sync::Mutex;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -27,22 +27,6 @@ pub struct Job<'a> {
     /// Scenario signals, a row for each time.
     pub script: &'a [f64],
 }
-
-/// What came of a run.
-#[derive(Debug)]
-pub struct Outcome {
-    /// Names of the recorded signals.
-    pub names: Vec<String>,
-    /// Rows of them, one after the other.
-    pub rows: Vec<f64>,
-    /// Why they are not all there.
-    pub error: Option<Error>,
-    /// Messages of each FMU, by its component's name.
-    pub log: Told,
-}
-
-/// Messages of each FMU of a run, by its component's name.
-pub type Told = Vec<(String, Vec<Message>)>;
 
 /// How many rows are good, why they are not all, and what the FMUs said.
 pub type Made = (usize, Option<Error>, Told);

@@ -1,8 +1,15 @@
 //! The rows of a run, as they are made.
 
-use crate::live::Seen;
 use cosim_raw::prefetch;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Rows so far.
+#[derive(Default)]
+pub struct Seen {
+    pub names: Vec<String>,
+    pub rows: Vec<f64>,
+    pub good: usize,
+}
 
 /// Where rows go, one after the other.
 pub enum Rows<'a> {

@@ -112,7 +112,7 @@ impl Plant {
         self.accept(p, systems, rung, &block);
         if let Some(was) = strained
             && course.events < MAX_EVENTS
-            && self.may_leave(p, ladders, &block, &course.rate)
+            && self.may_leave(p, ladders, &block.input_end, &course.rate)
         {
             if level > 0 {
                 *self = was;

@@ -14,7 +14,6 @@ use crate::Params;
 use crate::integrate::Ladders;
 use crate::matrices::{D, Systems, slip};
 use crate::plant::Plant;
-use crate::plant::block::Block;
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Event, GUARD_TOLERANCE, Guard, Mode, ZERO_SLIP, project, stuck_set};
 use crate::plant::ports::{Input, InputRate};
@@ -44,18 +43,18 @@ impl Plant {
         self.meshes == Meshes::JAMMED && self.is_tied(p)
     }
 
-    /// Whether a plant that is strained need not be any more at the end of a block: other modes are consistent.
+    /// Whether a plant that is strained need not be any more: other modes are consistent.
     #[cold]
     #[inline(never)]
     pub(crate) fn may_leave(
         &self,
         p: &Params,
         ladders: &mut impl Ladders,
-        block: &Block,
+        input: &Input,
         rate: &InputRate,
     ) -> bool {
         let mut left = *self;
-        left.resolve_rigid(p, ladders, &block.input_end, rate, &Event::default());
+        left.resolve_rigid(p, ladders, input, rate, &Event::default());
         !left.is_strained(p)
     }
 
