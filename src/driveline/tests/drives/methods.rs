@@ -47,8 +47,8 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
     check(Method::Lyapunov, &drive, 0.0, [2.7, 3.8, 1.2]);
     check(Method::Energy, &drive, 0.0, [1.5, 2.0, 1.0]);
     check(Method::Energy, &drive, NOISE, [3.3, 3.5, 3.0]);
-    check(Method::Kalman, &drive, 0.0, [2.0, 1.8, 1.0]);
-    check(Method::Kalman, &drive, NOISE, [3.3, 3.3, 1.3]);
+    check(Method::Kalman, &drive, 0.0, [1.8, 1.6, 0.9]);
+    check(Method::Kalman, &drive, NOISE, [3.3, 3.3, 1.1]);
 }
 
 #[test]
@@ -204,6 +204,21 @@ fn torques_are_followed_through_gear_changes() {
                 check(method, &drive, 0.0, limits);
             }
         }
+    }
+}
+
+/// The goal of `kalman` with noise is 1.5 % of T_o. A gear taken as in 3 rad/s early left 3 N·m·s of its synchroniser out, and
+/// its spike took seed 3 to 1.57 %.
+#[test]
+fn noise_does_not_hide_when_a_gear_is_in() {
+    let drive = scenarios::kick_down().drive(1e-3);
+    for seed in 1..=8 {
+        let errors = run(Method::Kalman, &drive, noisy(NOISE, seed)).percent();
+        println!("seed {seed}: {errors:.2?} %");
+        assert!(
+            errors[2] <= 1.5 && errors[0].max(errors[1]) < 4.0,
+            "seed {seed}: {errors:.2?} %"
+        );
     }
 }
 
