@@ -87,6 +87,18 @@ impl RoadParams {
         self.m_v * Self::GRAVITY
     }
 
+    /// Largest torques of the weight, r_w M_v g, and of rolling resistance [N·m], and of drag over the square of ω_w
+    /// [N·m·s²/rad²].
+    pub fn sizes(&self) -> [f64; 3] {
+        let weight = self.r_w * self.weight();
+        [weight, weight * self.c_rr, self.drag()]
+    }
+
+    /// ½ ρ A_v C_D r_w³ [N·m·s²/rad²].
+    fn drag(&self) -> f64 {
+        0.5 * self.rho_air * self.a_v * self.c_drag * self.r_w * self.r_w * self.r_w
+    }
+
     fn rolling(&self, phi: f64) -> f64 {
         self.weight() * ComplexField::cos(phi) * self.c_rr
     }
@@ -174,7 +186,7 @@ impl Grade {
         self.phi = phi;
         self.climb = r_w * weight * ComplexField::sin(phi);
         self.level = r_w * weight * ComplexField::cos(phi);
-        self.drag = 0.5 * road.rho_air * road.a_v * road.c_drag * r_w * r_w * r_w;
+        self.drag = road.drag();
         self.roll = self.level * road.c_rr;
         self.sharpness = r_w / road.v_eps;
         self.bend = self.roll * self.sharpness * self.sharpness + 2.0 * self.drag;

@@ -106,11 +106,15 @@ impl<M: Model> Saved<M> {
             return Err(Error::Serialised("holds times that are none"));
         }
         self.stop = self.stop.min(f64::MAX);
-        let runs = matches!(self.state, State::StepComplete | State::Terminated);
+        let begun = match self.state {
+            State::StepComplete | State::Terminated => true,
+            State::Initialization => !self.stale,
+            State::Instantiated | State::Error => false,
+        };
         for row in rows::<M>() {
-            check_row(row, &mut self.model, runs)?;
+            check_row(row, &mut self.model, begun)?;
         }
-        let fits = !runs || self.model.consistent().is_ok();
+        let fits = !begun || self.model.consistent().is_ok();
         fits.then_some(()).ok_or(Error::Serialised(
             "holds parameters that contradict each other",
         ))
@@ -139,12 +143,12 @@ impl<M: Model> Saved<M> {
     }
 }
 
-/// Limits hold always; what is computed is finite unless the model failed.
-fn check_row<M>(row: &Row<M>, model: &mut M, runs: bool) -> Result<(), Error> {
+/// Limits hold always; what is computed is finite once a model has begun, unless it failed.
+fn check_row<M>(row: &Row<M>, model: &mut M, begun: bool) -> Result<(), Error> {
     let set = matches!(row.causality, Causality::Input | Causality::Parameter);
     let sound = match row.access {
         Access::Real(field) if set => field(model).check(row).is_ok(),
-        Access::Real(field) => !runs || field(model).is_finite(),
+        Access::Real(field) => !begun || field(model).is_finite(),
         Access::Integer(field) | Access::Enumeration(field, _) if set => {
             field(model).check(row).is_ok()
         }

@@ -9,6 +9,7 @@ mod inputs;
 mod lining;
 mod losses;
 mod propagation;
+mod road;
 mod sets;
 mod shared;
 mod shelf;
@@ -236,6 +237,7 @@ fn check_parameters(p: &Params) -> Result<(), Failure> {
     check_maps(p)?;
     lining::check_curves(p)?;
     thermal::check_thermal(p)?;
+    road::check_road(&p.road)?;
     tie::check_ties(p)
 }
 
