@@ -246,9 +246,11 @@ impl<M: Model> Instance<M> {
     /// A copy of everything: the FMU state.
     ///
     /// # Errors
-    /// None in the present life cycle.
-    pub fn save(&self) -> Result<Saved<M>, Error> {
+    /// When what the model computed, outputs on demand with it, is not all numbers: no state is read back from that.
+    pub fn save(&mut self) -> Result<Saved<M>, Error> {
         self.permit(Call::GetFMUstate)?;
+        self.now.catch_up();
+        self.now.check_numbers()?;
         Ok(self.now.clone())
     }
 

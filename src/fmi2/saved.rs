@@ -10,6 +10,7 @@
 use crate::guid::table_hash;
 use crate::hash::Hash;
 use crate::row::{Row, rows};
+use crate::value::finite;
 use crate::{Access, Causality, Error, Model, State, StateFields, Value as _};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
@@ -106,11 +107,7 @@ impl<M: Model> Saved<M> {
             return Err(Error::Serialised("holds times that are none"));
         }
         self.stop = self.stop.min(f64::MAX);
-        let begun = match self.state {
-            State::StepComplete | State::Terminated => true,
-            State::Initialization => !self.stale,
-            State::Instantiated | State::Error => false,
-        };
+        let begun = self.has_begun();
         for row in rows::<M>() {
             check_row(row, &mut self.model, begun)?;
         }
@@ -118,6 +115,25 @@ impl<M: Model> Saved<M> {
         fits.then_some(()).ok_or(Error::Serialised(
             "holds parameters that contradict each other",
         ))
+    }
+
+    /// Whether the model has been initialised, and has not failed.
+    const fn has_begun(&self) -> bool {
+        match self.state {
+            State::StepComplete | State::Terminated => true,
+            State::Initialization => !self.stale,
+            State::Instantiated | State::Error => false,
+        }
+    }
+
+    /// Refuses what is not all numbers, by the name of the first variable that is none.
+    pub(crate) fn check_numbers(&mut self) -> Result<(), Error> {
+        for row in rows::<M>().filter(|row| row.is_computed()) {
+            if let (true, Access::Real(field)) = (self.has_begun(), row.access) {
+                finite(row.name, *field(&mut self.model))?;
+            }
+        }
+        Ok(())
     }
 
     /// Every field, in the order of the payload.

@@ -3,7 +3,7 @@
 use super::pointer::{place, slice, slice_mut};
 use super::{Library, Status, handed_out};
 use crate::saved::Saved;
-use crate::{Call, Error, Instance, Model};
+use crate::{Call, Error, Model};
 use core::ffi::c_void;
 use core::ptr::null_mut;
 
@@ -93,7 +93,7 @@ impl<M: Model> Library<M> {
         self.enter(component, Call::DeSerializeFMUstate, |instance, _| {
             instance.permit(Call::DeSerializeFMUstate)?;
             // A size that no state of this model has is refused before a byte is read.
-            if size != self.size_of_states(instance)? {
+            if size != self.size_of_states() {
                 return Err(Error::Serialised(
                     "has another length than those of this model",
                 ));
@@ -108,8 +108,8 @@ impl<M: Model> Library<M> {
 
     /// Bytes of every serialised state of this model.
     #[inline(never)] // what it takes of the stack is free again after it
-    fn size_of_states(&self, instance: &Instance<M>) -> Result<usize, Error> {
-        Ok(instance.save()?.to_bytes_under(self.table_hash()).len())
+    fn size_of_states(&self) -> usize {
+        Saved::<M>::new().to_bytes_under(self.table_hash()).len()
     }
 
     /// What a state's token stands for.

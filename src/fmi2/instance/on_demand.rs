@@ -127,7 +127,7 @@ fn it_follows_what_is_set_after_the_step() {
 
 #[test]
 fn saved_states_hold_it_as_if_it_had_been_read() {
-    let (mut asked, left) = (counted(), counted());
+    let (mut asked, mut left) = (counted(), counted());
     assert_eq!(read(&mut asked, SQUARE), 12.0);
     let bytes = left.save().unwrap().to_bytes();
     assert_eq!(bytes, asked.save().unwrap().to_bytes());
@@ -138,6 +138,15 @@ fn saved_states_hold_it_as_if_it_had_been_read() {
     let mut copied = Instance::<Counter>::default();
     copied.restore(&left.save().unwrap()).unwrap();
     assert_eq!(read_plainly(&mut copied, SQUARE), Some(12.0));
+}
+
+#[test]
+fn a_state_is_not_made_of_an_output_that_is_no_number() {
+    let mut counter = counted();
+    counter.set(&[GAIN], [f64::MAX].into_iter()).unwrap();
+    silent(|log| counter.step(2.0, 1.0, log)).unwrap();
+    let told = counter.save().map_err(|error| error.to_string());
+    assert!(told.is_err_and(|text| text.starts_with("square = ")));
 }
 
 #[test]
