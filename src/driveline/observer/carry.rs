@@ -126,9 +126,12 @@ impl<const N: usize> Tracker<N> {
         }
     }
 
-    /// A clutch of a known friction that would carry more than it can slips.
+    /// A clutch of a known friction that would carry more than it can slips, and goes on slipping while it would.
     pub fn release(&mut self, p: &Params, sample: &Sample) {
-        if let Some(i) = self.engaged.filter(|i| self.friction.known(*i)) {
+        for i in [0, 1] {
+            if !self.friction.known(i) || self.engaged != Some(i) && !self.lock.freed[i] {
+                continue;
+            }
             let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
             let handover = p.clutch[1 - i].force(sample.actuation[1 - i]) > 0.0;
             let kinetic = self.friction.mu[i] * lever;

@@ -10,7 +10,8 @@
 //! which a large torque takes beyond any fixed threshold. So a clutch that has locked may swing by as much. It has
 //! locked once its slip has met 0, which a swing may take beyond the band before the next sample is taken, or stayed
 //! small for a while; one that breaks away does neither. One that was found
-//! to carry more than its friction ([`Lock::bear`]) slips until its slip has met 0, however small it is. A
+//! to carry more than its friction ([`Lock::bear`]) slips until its slip has met 0, however small it is, and it carries
+//! less than that: what would be let go at once does not lock. A
 //! synchroniser on the other shaft kicks J_out against damper and drive shaft, by at most
 //!
 //! ```text
@@ -117,13 +118,17 @@ impl Lock {
     /// that is too much, or where it slips by more than its friction can make the damper swing.
     ///
     /// In a `handover` speeds leave both torques to each other (erratum E5), and a slip that is taken for a twist of
-    /// the damper runs away in the other torque.
+    /// the damper runs away in the other torque. One let go before does not lock while it carries as much against its slip.
     pub fn bear(&mut self, p: &Params, i: usize, torque: f64, kinetic: f64, handover: bool) {
         let (most, slip) = (
             if handover { HANDOVER } else { Friction::STATIC } * kinetic,
             self.slip[i],
         );
-        if torque.abs() > most {
+        if self.freed[i] {
+            if torque * self.direction[i] > most {
+                self.since[i] = 0.0;
+            }
+        } else if torque.abs() > most {
             self.let_go(i, if slip.abs() > SURE { slip } else { torque });
         } else if handover && slip.abs() > SURE + kinetic / ComplexField::sqrt(p.k_d * p.j_e) {
             self.let_go(i, slip);
@@ -281,6 +286,29 @@ mod tests {
             }
             lock.bear(&p, 0, 10.0, 15.0, handover);
             assert_eq!(lock.holds(0), holds, "{slip} rad/s, {handover}");
+        }
+    }
+
+    /// On the verge of slipping: the damper winds one way while the torque is that of a slip the other way.
+    #[test]
+    fn a_clutch_that_carries_what_it_was_let_go_at_does_not_lock() {
+        const KINETIC: f64 = 80.0;
+        let p = Params::TABLE_1;
+        for (torque, holds) in [(-78.0, false), (-60.0, true), (78.0, true)] {
+            let mut lock = Lock {
+                wary: true,
+                ..Lock::default()
+            };
+            lock.start(&p, &sample(0.0));
+            lock.bear(&p, 0, -78.0, KINETIC, true);
+            assert!(lock.freed[0] && lock.direction[0] < 0.0);
+            for _ in 0..100 {
+                lock.step(&p, &sample(0.15), [torque, 0.0], H);
+                if lock.freed[0] {
+                    lock.bear(&p, 0, torque, KINETIC, true);
+                }
+            }
+            assert_eq!(lock.holds(0), holds, "{torque} N·m");
         }
     }
 
