@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,9 @@ NOMINAL = {"clutch1.nominalFriction": 0.4, "clutch2.nominalFriction": 0.1}  # fr
 MEASURED = ("engine.speed", "clutch1.speed", "clutch2.speed", "wheel.speed")
 SCRIPTED = ("engine.torque", "road.grade", "brake.torque")
 MOVED = {"methods_case1": "position", "methods_wet6": "pressure"}
+CORTEX_M4 = ROOT / "target/cross/thumbv7em-none-eabihf/release/libdct_observer.a"
+MUSL = ("-target", "arm-linux-musleabihf", "-static")  # passes doubles as the library does
+BEGIN = 2001  # rows of the launch that qemu repeats
 LEAST = 0.6  # of what is stated: measured on x86-64, rounded up
 OUTPUTS = 53  # of dct_estimate with a name of the FMU: all but `fault`
 ROWS = {"paper": ("--no-default-features", "--features", "paper"), "all five": ()}  # of the README
@@ -66,13 +70,17 @@ def loops(tmp_path_factory: pytest.TempPathFactory) -> Runs:
 
 
 def _replayed(
-    program: Path, values: dict[str, float], table: dict[str, np.ndarray], *more: object
+    program: Path | str,
+    values: dict[str, float],
+    table: dict[str, np.ndarray],
+    *more: object,
+    before: tuple[object, ...] = (),
 ) -> dict[str, np.ndarray]:
     """Return the estimates of the C program for columns of measurements."""
     rows = np.column_stack(list(table.values())).tolist()
     text = "\n".join([",".join(table), *(",".join(map(repr, row)) for row in rows)])
     words = [f"{name}={float(value)!r}" for name, value in values.items()]
-    done = _done(program, *words, *more, input=text + "\n")
+    done = _done(program, *before, *words, *more, input=text + "\n")
     said = np.genfromtxt(io.StringIO(done.stdout), delimiter=",", names=True, deletechars="")
     return {name: said[name] for name in said.dtype.names}
 
@@ -99,6 +107,32 @@ def test_c_and_fmu_give_the_same_bits(replay: Path, loops: Runs, system: str, me
     assert np.ptp(estimates["clutch2.torque"]) > 50
     for name, column in estimates.items():
         assert np.array_equal(column, loop[f"{COMPONENTS[method]}.{name}"]), name
+
+
+@pytest.fixture(scope="module")
+def replay_on_arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same C program with the library for a Cortex-M4."""
+    assert CORTEX_M4.exists(), "cargo xtask platforms builds it"
+    program = tmp_path_factory.mktemp("arm") / "replay"
+    zig = (sys.executable, "-m", "ziglang", "cc", *MUSL)
+    _done(*zig, *STRICT, EXAMPLE / "replay.c", CORTEX_M4, "-o", program)
+    return program
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_code_for_a_cortex_m4_gives_the_same_bits(
+    replay: Path, replay_on_arm: Path, loops: Runs, method: str
+) -> None:
+    """Doubles in software, numbers of 32 bits as sizes: the launch under qemu, every output."""
+    table = _measured(loops("methods_case1"), "position")
+    begin = {name: column[:BEGIN] for name, column in table.items()}
+    wanted = {**NOMINAL, "observer.method": METHODS.index(method) + 1}
+    here = _replayed(replay, wanted, begin)
+    there = _replayed("qemu-arm", wanted, begin, before=("-cpu", "max", replay_on_arm))
+    assert len(there) == OUTPUTS
+    assert np.ptp(there["clutch1.torque"]) > 20
+    for name, column in there.items():
+        assert np.array_equal(column, here[name]), name
 
 
 def test_counted_speeds_are_followed_where_the_ticks_are_known(replay: Path, loops: Runs) -> None:

@@ -49,8 +49,9 @@ commands:
   platforms [--build-std]
                  FMUs for linux64 (glibc 2.17), aarch64-linux and win64 in target/platforms, all
                  run over the paper's scenario, under qemu and wine, with the same bits; for
-                 macOS in target/platforms/darwin, not run; where rustup has no such targets,
-                 or with --build-std, by Debian's compiler
+                 macOS in target/platforms/darwin, not run; the observer's C library for a
+                 Cortex-M4, linked with nothing else and run under qemu; where rustup has no such
+                 targets, or with --build-std, by Debian's compiler
   ci             demo, then test: what a change must pass
 
 set-up (done by every command, kept between runs):

@@ -60,7 +60,7 @@ impl Package {
             Self::Valgrind => starts(&"valgrind"),
             Self::Mingw => starts(&"x86_64-w64-mingw32-gcc"),
             Self::Wine => starts(&"wine"),
-            Self::Qemu => starts(&"qemu-aarch64"),
+            Self::Qemu => starts(&"qemu-aarch64") && starts(&"qemu-arm"),
             Self::Arm => Path::new("/usr/aarch64-linux-gnu/lib/libc.so.6").exists(),
             Self::RustSource => has_sources("/usr/bin/rustc") && starts(&"/usr/bin/cargo"),
             Self::AnyRustSource => has_sources("rustc") || Self::RustSource.is_present(),

@@ -72,6 +72,10 @@ static int run(void)
         register long number __asm__("x8") = 93, value __asm__("x0") = (status); \
         __asm__ volatile("svc 0" : : "r"(number), "r"(value)); \
     } while (0)
+#elif defined(__arm__)
+#define REALIGN
+#define EXIT(status) \
+    __asm__ volatile("mov r0, %0\n mov r7, #1\n svc 0" : : "r"(status) : "r0") /* r7 is lost: the end */
 #else
 #error "say how this processor ends a program"
 #endif

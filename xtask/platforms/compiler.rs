@@ -9,10 +9,20 @@ use std::process::Command;
 pub const WINDOWS: &str = "x86_64-pc-windows-gnullvm";
 /// Both kinds of Mac.
 pub const APPLE: [&str; 2] = ["x86_64-apple-darwin", "aarch64-apple-darwin"];
+/// A Cortex-M4 or M7 without an operating system: no std.
+pub const BARE: &str = "thumbv7em-none-eabihf";
 /// Targets that the machine's own compiler may lack.
-pub const FOREIGN: [&str; 4] = ["aarch64-unknown-linux-gnu", WINDOWS, APPLE[0], APPLE[1]];
+pub const FOREIGN: [&str; 5] = [
+    "aarch64-unknown-linux-gnu",
+    WINDOWS,
+    APPLE[0],
+    APPLE[1],
+    BARE,
+];
 /// What is built for other machines stays apart: it may come of another compiler.
 pub const FOLDER: &str = "target/cross";
+
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 
 /// A compiler with standard libraries for [`FOREIGN`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,12 +89,27 @@ impl Compiler {
                 "CARGO_TARGET_X86_64_PC_WINDOWS_GNULLVM_LINKER",
                 root.join("xtask/windows/mingw-linker.sh"),
             );
+        self.choose_sources(command, "std,panic_unwind");
+    }
+
+    /// cargo for [`BARE`].
+    pub fn cargo_without_std(self) -> Command {
+        let mut command = Command::new(match self {
+            Self::Rustup => "cargo",
+            Self::Debian => DEBIAN_CARGO,
+        });
+        self.choose_sources(&mut command, "core");
+        command
+    }
+
+    /// Where Debian's compiler has no library of a target: builds these crates of it.
+    fn choose_sources(self, command: &mut Command, crates: &str) {
         if self == Self::Debian {
             command
-                .env("CARGO", "/usr/bin/cargo")
+                .env("CARGO", DEBIAN_CARGO)
                 .env("RUSTC", "/usr/bin/rustc")
                 .env("RUSTC_BOOTSTRAP", "1")
-                .env("CARGO_UNSTABLE_BUILD_STD", "std,panic_unwind");
+                .env("CARGO_UNSTABLE_BUILD_STD", crates);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod apple;
 mod compiler;
+mod ecu;
 mod replay;
 
 use crate::plan::Step;
@@ -42,6 +43,7 @@ pub fn checks(project: &Project, build_std: bool) -> Vec<Step> {
         replay::step(),
         Step::commands("loads of the library for Windows", loads()),
         apple::step(project, compiler),
+        ecu::step(project, compiler),
     ]
 }
 
