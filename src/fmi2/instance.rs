@@ -290,11 +290,9 @@ impl<M: Model> Instance<M> {
     /// Computes what depends on values that were set since the last computation.
     fn refresh(&mut self, log: &mut Log<'_>) -> Result<(), Error> {
         if !self.now.stale {
-            return if self.now.catch_up() && !M::STEPS_STAY_FINITE {
-                self.demand_finite()
-            } else {
-                Ok(())
-            };
+            let waits = self.now.late;
+            self.now.catch_up();
+            return if waits { self.demand_finite() } else { Ok(()) };
         }
         match self.now.state {
             State::Instantiated | State::Error => return Ok(()),

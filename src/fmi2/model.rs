@@ -25,8 +25,8 @@ pub trait Model: Clone + Default + Send + 'static {
     /// `DefaultExperiment` of the model description.
     const EXPERIMENT: Experiment;
 
-    /// Whether `initialize` and `step` fail by themselves rather than leave an output that is not finite, or will
-    /// not be when it is computed on demand. Else the shell looks at every output after each of them.
+    /// Whether `initialize` and `step` fail by themselves rather than leave an output that is not finite. Else the
+    /// shell looks at every output after each of them; at those on demand it looks when they are read.
     const STEPS_STAY_FINITE: bool = false;
 
     /// Computes the initial state and outputs from parameters, inputs and start values.

@@ -60,8 +60,8 @@ const fn some_on_demand<M: Model>() -> bool {
     row < M::VARIABLES.len()
 }
 
-/// Reads Reals if all references are Reals that have a place, and none waits to be computed by a model that has to
-/// be watched at that; else it hands out nothing and returns false.
+/// Reads Reals if all references are Reals that have a place, none waits to be computed by a model that has to
+/// be watched at that, and what is computed on demand is a number; else it returns false.
 #[inline(always)]
 pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &mut [f64]) -> bool {
     let mut words = 0;
@@ -71,14 +71,24 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
         }
         words |= real(saved, reference).word;
     }
-    let waits = const { some_on_demand::<M>() } && saved.late && words & ON_DEMAND != 0;
-    let plain = words & ELSEWHERE == 0 && (!waits || computed(saved));
+    let on_demand = const { some_on_demand::<M>() } && words & ON_DEMAND != 0;
+    let plain = words & ELSEWHERE == 0 && (!(on_demand && saved.late) || computed(saved));
     if plain {
-        for (&reference, value) in references.iter().zip(values).rev() {
+        for (&reference, value) in references.iter().zip(values.iter_mut()).rev() {
             *value = *field(saved, reference);
         }
     }
-    plain
+    plain && (!on_demand || are_numbers(saved, values))
+}
+
+/// Whether outputs on demand are numbers; else they wait to be computed again, the ordinary way, which tells what is none.
+#[inline(never)]
+fn are_numbers<M: Model>(saved: &mut Saved<M>, values: &[f64]) -> bool {
+    let numbers = values
+        .iter()
+        .fold(true, |all, value| all & value.is_finite());
+    saved.late |= !numbers;
+    numbers
 }
 
 /// Computes what waits for it; false where the model has to be watched at that.

@@ -2,7 +2,7 @@
 
 use super::Instance;
 use crate::saved::Saved;
-use crate::{Experiment, Failure, Log, Model, StateFields, Unit, Variable};
+use crate::{Experiment, Failure, Log, Model, State, StateFields, Unit, Variable};
 
 #[derive(Clone, Default)]
 struct Counter {
@@ -147,6 +147,20 @@ fn a_state_is_not_made_of_an_output_that_is_no_number() {
     silent(|log| counter.step(2.0, 1.0, log)).unwrap();
     let told = counter.save().map_err(|error| error.to_string());
     assert!(told.is_err_and(|text| text.starts_with("square = ")));
+}
+
+#[test]
+fn one_that_is_no_number_is_not_handed_out() {
+    let mut counter = counted();
+    counter.set(&[GAIN], [f64::MAX].into_iter()).unwrap();
+    silent(|log| counter.step(2.0, 1.0, log)).unwrap();
+    assert_eq!(read_plainly(&mut counter, COUNT), Some(3.0));
+    for _ in 0..2 {
+        assert_eq!(read_plainly(&mut counter, SQUARE), None);
+    }
+    let told = silent(|log| counter.get::<f64>(&[SQUARE], log).map(drop));
+    assert!(told.is_err_and(|error| error.to_string().starts_with("square is no longer finite")));
+    assert_eq!(counter.state(), State::Error);
 }
 
 #[test]
