@@ -113,17 +113,9 @@ pub fn run_seen(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch, live: &
         rows,
         good: 0,
     };
-    let (good, error, log) = make(run, job, Rows::Seen(&live.seen), watch, live);
-    let Seen {
-        names, mut rows, ..
-    } = std::mem::take(&mut *open(&live.seen));
-    rows.truncate(good * names.len());
-    Outcome {
-        names,
-        rows,
-        error,
-        log,
-    }
+    let made = make(run, job, Rows::Seen(&live.seen), watch, live);
+    let Seen { names, rows, .. } = std::mem::take(&mut *open(&live.seen));
+    outcome(names, rows, made)
 }
 
 /// Makes one run.
@@ -135,7 +127,12 @@ fn one(job: &Job<'_>, libraries: &mut Libraries, watch: &Watch) -> Outcome {
     };
     let names = run.names();
     let mut rows = vec![0.0; job.times.len() * names.len()];
-    let (good, error, log) = make(run, job, Rows::Own(&mut rows), watch, &live);
+    let made = make(run, job, Rows::Own(&mut rows), watch, &live);
+    outcome(names, rows, made)
+}
+
+/// What came of a run: its good rows only.
+fn outcome(names: Vec<String>, mut rows: Vec<f64>, (good, error, log): Made) -> Outcome {
     rows.truncate(good * names.len());
     Outcome {
         names,

@@ -182,9 +182,10 @@ mod tests {
     use super::{Gains, j_w, meeting, pace};
     use crate::Params;
     use crate::observer::adaptive::At;
+    use crate::observer::poles;
     use crate::observer::schedule::{lowest_ratios, paced, radius};
     use crate::reduced::Reduced;
-    use nalgebra::{SMatrix, Vector2, Vector3, Vector4};
+    use nalgebra::{SMatrix, Vector2, Vector3};
 
     /// θ of clutches that are pressed [m].
     const THETA: [f64; 2] = [5e-3, 7e-3];
@@ -269,7 +270,7 @@ mod tests {
         assert!((row[1] / row[0]).abs() < 1e-12, "{row}");
     }
 
-    /// Slowest pole [1/s] of (x̃, T̃_ci) with clutch `i` transmitting, by inverse iteration.
+    /// Slowest pole [1/s] of (x̃, T̃_ci) with clutch `i` transmitting.
     fn slowest(p: &Params, at: &At, gains: &Gains, i: usize) -> f64 {
         let mut errors = SMatrix::<f64, 4, 4>::zeros();
         for j in 0..4 {
@@ -283,12 +284,7 @@ mod tests {
             errors.fixed_view_mut::<3, 1>(0, j).copy_from(&x_dot);
             errors[(3, j)] = -epsilon_dot[i];
         }
-        let inverse = errors.try_inverse().expect("all errors are seen");
-        let mut x = Vector4::repeat(1.0);
-        for _ in 0..50 {
-            x = (inverse * x).normalize();
-        }
-        -1.0 / x.dot(&(inverse * x))
+        poles::slowest(errors)
     }
 
     /// Without w it was 0.002 to 0.03 1/s on wet6, at 100 Hz.

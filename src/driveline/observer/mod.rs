@@ -34,6 +34,8 @@ pub mod lyapunov;
 pub mod monitor;
 pub mod paper;
 pub mod phase;
+#[cfg(test)]
+mod poles;
 pub mod prior;
 mod recall;
 mod schedule;

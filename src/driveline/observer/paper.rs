@@ -194,9 +194,10 @@ mod tests {
     use super::{Gains, HELD};
     use crate::Params;
     use crate::observer::adaptive::At;
+    use crate::observer::poles;
     use crate::observer::schedule::{lowest_ratios, radius};
     use crate::reduced::Reduced;
-    use nalgebra::{Matrix4, Vector4};
+    use nalgebra::Matrix4;
 
     /// θ of a clutch that is pressed home [m].
     const THETA: f64 = 5e-3;
@@ -212,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Slowest pole [1/s] of (x̃1, x̃2, x̃3, T̃_ci) with clutch `i` transmitting, by inverse iteration.
+    /// Slowest pole [1/s] of (x̃1, x̃2, x̃3, T̃_ci) with clutch `i` transmitting.
     fn slowest(p: &Params, at: &At, gains: &Gains, i: usize) -> f64 {
         let (m, l) = (&at.model, gains.l(&at.model));
         let (a, h, arm) = (m.a_slip()[i], m.h_twist()[i], p.clutch[i].r_c_n * THETA);
@@ -236,12 +237,7 @@ mod tests {
             0.0,
             0.0,
         );
-        let inverse = errors.try_inverse().expect("all errors are seen");
-        let mut x = Vector4::repeat(1.0);
-        for _ in 0..50 {
-            x = (inverse * x).normalize();
-        }
-        -1.0 / x.dot(&(inverse * x))
+        poles::slowest(errors)
     }
 
     #[test]
