@@ -135,7 +135,7 @@ impl<M: Model> Instance<M> {
     /// first value is handed out.
     ///
     /// # Errors
-    /// For a reference of another type, and when the model fails.
+    /// For a reference of another type, a value that is not finite, and when the model fails.
     pub fn get<'a, T: Value>(
         &'a mut self,
         references: &'a [u32],
@@ -152,6 +152,10 @@ impl<M: Model> Instance<M> {
             self.refresh(log)?;
         }
         let model = &mut self.now.model;
+        for &reference in references {
+            let (row, field) = find::<M, T>(reference)?;
+            field(model).number(row.name)?;
+        }
         let value = |&reference| {
             let (_, field) = find::<M, T>(reference).ok()?;
             Some(*field(model))
@@ -290,9 +294,8 @@ impl<M: Model> Instance<M> {
     /// Computes what depends on values that were set since the last computation.
     fn refresh(&mut self, log: &mut Log<'_>) -> Result<(), Error> {
         if !self.now.stale {
-            let waits = self.now.late;
             self.now.catch_up();
-            return if waits { self.demand_finite() } else { Ok(()) };
+            return Ok(());
         }
         match self.now.state {
             State::Instantiated | State::Error => return Ok(()),
@@ -342,7 +345,7 @@ impl<M: Model> Instance<M> {
 
     #[cold]
     fn fail(&mut self, failure: Failure) -> Error {
-        self.now.state = State::Error;
+        self.condemn();
         Error::Model(failure)
     }
 }

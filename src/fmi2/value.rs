@@ -20,6 +20,14 @@ pub trait Value: Copy + 'static {
     /// # Errors
     /// When it is not finite, outside the limits of the row, or none of its enumeration.
     fn check<M>(self, row: &Row<M>) -> Result<(), Error>;
+
+    /// Whether an importer may be handed this value of a variable.
+    ///
+    /// # Errors
+    /// When it is not finite.
+    fn number(self, _variable: &'static str) -> Result<(), Error> {
+        Ok(())
+    }
 }
 
 impl Value for f64 {
@@ -38,6 +46,10 @@ impl Value for f64 {
     fn check<M>(self, row: &Row<M>) -> Result<(), Error> {
         finite(row.name, self)?;
         within(row, self)
+    }
+
+    fn number(self, variable: &'static str) -> Result<(), Error> {
+        finite(variable, self)
     }
 }
 

@@ -78,17 +78,15 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
             *value = *field(saved, reference);
         }
     }
-    plain && (!on_demand || are_numbers(saved, values))
+    plain && (!on_demand || are_numbers(values))
 }
 
-/// Whether outputs on demand are numbers; else they wait to be computed again, the ordinary way, which tells what is none.
+/// Whether values are numbers; else the ordinary way tells what is none.
 #[inline(never)]
-fn are_numbers<M: Model>(saved: &mut Saved<M>, values: &[f64]) -> bool {
-    let numbers = values
+fn are_numbers(values: &[f64]) -> bool {
+    values
         .iter()
-        .fold(true, |all, value| all & value.is_finite());
-    saved.late |= !numbers;
-    numbers
+        .fold(true, |all, value| all & value.is_finite())
 }
 
 /// Computes what waits for it; false where the model has to be watched at that.

@@ -85,7 +85,7 @@ impl<M: Model> Instance<M> {
         }
     }
 
-    /// Puts an end to an instance in the middle of whose model Rust panicked: nothing plain passes.
+    /// Puts an end to an instance whose model failed, or in whose middle Rust panicked: nothing plain passes.
     pub(crate) fn condemn(&mut self) {
         (self.now.state, self.now.stale) = (State::Error, true);
     }

@@ -366,6 +366,10 @@ fn a_model_that_leaves_the_numbers_ends_in_error() {
         "{error}"
     );
     assert_eq!(tank.state(), State::Error);
+    let mut value = [0.0];
+    assert!(!tank.get_plainly(&[LEVEL], &mut value));
+    let told = quietly(|log| tank.get::<f64>(&[LEVEL], log).map(drop));
+    assert!(told.is_err(), "an importer is handed what is no number");
 }
 
 #[test]
