@@ -126,6 +126,22 @@ def test_a_scenario_steers_a_tunable_parameter_of_the_supplier(
     assert "plant.vehicle.speed is nan at t = 0.501 s" in done.stderr  # nanAt is 0.25 / 0.5 s
 
 
+@pytest.mark.parametrize(("entry", "said"), [
+    ('"n"', "1.5 would be 1.5 there, which is Integer; give a value that is a whole number there"),
+    ('{ variable = "n", table = { 1 = 5, 3 = 7 } }', "1.5 is in no row of its table"),
+])  # fmt: skip
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+def test_a_start_value_that_the_supplier_cannot_hold_is_refused_not_cut(
+    tmp_path: Path, supplier: Path, engine: str, entry: str, said: str
+) -> None:
+    coded = '{ variable = "n", table = { 0 = 14, 1 = 5, 3 = 7 } }'
+    text = GOOD.replace(coded, entry)
+    options = ("--set", "plant.shaft1.gear=1.5", "--engine", engine)
+    done = mapped(tmp_path, supplier, text, *options)
+    assert done.returncode == 2, done.stderr
+    assert f"m.toml: 'shaft1.gear' = 'n': {said}" in done.stderr
+
+
 def test_an_input_given_twice_is_refused(tmp_path: Path, supplier: Path) -> None:
     text = GOOD.replace("[outputs]", '"brake.torque" = { variable = "u", unit = "N.m" }\n[outputs]')
     done = mapped(tmp_path, supplier, text)

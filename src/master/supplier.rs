@@ -201,12 +201,84 @@ fn typed(linked: &Linked, value: &Value) -> Result<Value, String> {
         (ours - link.shift) / link.gain
     } else {
         let row = link.table.iter().find(|(known, _)| *known == ours);
-        let row = row.ok_or_else(|| format!("{ours} is in no row of its table"))?;
+        let row = row.ok_or_else(|| format!("{ours:?} is in no row of its table"))?;
         row.1
     };
-    Ok(match linked.theirs.family {
-        Family::Real => Value::Number(theirs),
-        Family::Integer => Value::Number(theirs.trunc()),
-        Family::Boolean => Value::Boolean(theirs != 0.0),
-    })
+    let family = linked.theirs.family;
+    match family {
+        Family::Real => Ok(Value::Number(theirs)),
+        Family::Integer if theirs.fract() == 0.0 => Ok(Value::Number(theirs)),
+        Family::Boolean if theirs == 0.0 || theirs == 1.0 => Ok(Value::Boolean(theirs == 1.0)),
+        _ => Err(format!(
+            "{ours:?} would be {theirs:?} there, which is {family:?}; {}",
+            match family {
+                Family::Boolean => "give true or false",
+                _ => "give a value that is a whole number there",
+            }
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Link;
+
+    fn told(family: Family, table: Vec<(f64, f64)>, value: &Value) -> String {
+        let theirs = Variable {
+            name: "n".into(),
+            reference: 0,
+            family,
+            causality: Causality::Input,
+            items: vec![],
+            unit: None,
+            unit_name: String::new(),
+            start: None,
+            continuous: false,
+        };
+        let link = Link {
+            ours: "gear".into(),
+            theirs: "n".into(),
+            gain: 1.0,
+            shift: 0.0,
+            table,
+            moves: false,
+        };
+        let linked = Linked {
+            link,
+            ours: theirs.clone(),
+            theirs,
+        };
+        typed(&linked, value).map_or_else(|what| what, |value| format!("{value:?}"))
+    }
+
+    #[test]
+    fn a_start_value_that_its_type_cannot_hold_is_refused_not_cut() {
+        use Family::{Boolean, Integer, Real};
+        let coded = || vec![(1.0, 5.0), (2.0, 1.5)];
+        for (family, table, value, expected) in [
+            (Real, vec![], 1.5, "Number(1.5)"),
+            (Integer, vec![], 2.0, "Number(2.0)"),
+            (
+                Integer,
+                vec![],
+                1.5,
+                "1.5 would be 1.5 there, which is Integer; give a value that is a whole number there",
+            ),
+            (Integer, vec![], f64::NAN, "would be NaN there"),
+            (Integer, coded(), 1.0, "Number(5.0)"),
+            (Integer, coded(), 2.0, "2.0 would be 1.5 there"),
+            (Integer, coded(), 3.0, "3.0 is in no row of its table"),
+            (Boolean, vec![], 1.0, "Boolean(true)"),
+            (
+                Boolean,
+                vec![],
+                2.0,
+                "2.0 would be 2.0 there, which is Boolean; give true or false",
+            ),
+        ] {
+            let told = told(family, table, &Value::Number(value));
+            assert!(told.contains(expected), "{family:?} {value}: {told}");
+        }
+    }
 }

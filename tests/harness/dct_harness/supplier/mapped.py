@@ -11,6 +11,7 @@ import numpy as np
 from ..contract import plant as plant_contract
 from ..errors import ConfigError, FmuRuntimeError, did_you_mean
 from ..fmu.fmu import Fmu
+from ..fmu.values import group_of
 from ..units import Unit
 from .links import Link, Linker, Translation
 from .mapping import Entry, Mapping, theirs
@@ -97,7 +98,12 @@ class Mapped:
         """Return name and value of the supplier for one of ours (SI), or for its own."""
         links = {**{k.ours.name: k for k in self._in}, **self._set}
         if name in links:
-            return links[name].theirs.name, _typed(links[name], value)
+            link = links[name]
+            try:
+                return link.theirs.name, _typed(link, value)
+            except ValueError as error:
+                what = f"'{name}' = '{link.theirs.name}': {error}"
+                raise ConfigError(f"{self._mapping.path}: {what}", name) from error
         if name not in self._fmu.variables:
             hint = did_you_mean(name, self._set)
             raise ConfigError(
@@ -259,11 +265,29 @@ def their_value(component: Any, name: str, value: Any) -> tuple[str, Any]:
 
 
 def _typed(link: Link, value: Any) -> Any:
-    """Return the supplier's start value for one of ours, as the type it has there."""
+    """Return the supplier's start value for one of ours, as the type it has there.
+
+    Raises
+    ------
+    ValueError
+        The table has no row for it, or what it becomes is no value of that type.
+    """
     if isinstance(value, str):
         return value
-    kind = {"Real": float, "Boolean": bool}.get(link.theirs.type, int)
-    return kind(link.to_theirs(float(value)))
+    ours, kind = float(value), group_of(link.theirs)
+    try:
+        theirs = link.to_theirs(ours)
+    except KeyError:
+        raise ValueError(f"{ours!r} is in no row of its table") from None
+    if kind == "Real":
+        return theirs
+    if kind == "Boolean" and theirs in (0.0, 1.0):
+        return bool(theirs)
+    if kind == "Integer" and theirs.is_integer():
+        return int(theirs)
+    whole = "give a value that is a whole number there"
+    remedy = "give true or false" if kind == "Boolean" else whole
+    raise ValueError(f"{ours!r} would be {theirs!r} there, which is {kind}; {remedy}")
 
 
 def apply_shared(
