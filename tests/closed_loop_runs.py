@@ -36,6 +36,10 @@ class Runs:
             self._made[key] = run(system, settings, self._directory / str(len(self._made)))
         return self._made[key]
 
+    def folder(self, system: str, *settings: str) -> Path:
+        """Return the results of a run that was made."""
+        return self._directory / str(list(self._made).index((system, *settings)))
+
 
 def golden_rows(case: str) -> dict[str, np.ndarray]:
     """Return the rows of a golden reference by FMI name, shape (rows,) each, SI units."""

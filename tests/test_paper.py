@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS, Runs, rms
 from dct_harness import cli, formats, results, shaft
+from dct_harness.report import runs as report_runs
+from dct_harness.report import shaft_model
 from dct_harness.results import Results
 from fmpy import read_model_description
 
@@ -149,6 +152,28 @@ def _methods() -> list[str]:
 def _errors(loop: Results, prefix: str) -> np.ndarray:
     """Return the RMS errors of T_c1, T_c2, T_o [N·m] over the scenario."""
     return np.array([rms(loop[f"{prefix}.{t}"] - loop[f"plant.{t}"]) for t in TORQUES])
+
+
+def test_the_report_draws_the_launch_and_what_was_found_in_it(runs: Runs) -> None:
+    """Fig. 3: measurements scatter, instruments find the plant's torque, (18) as printed misses."""
+    loop = runs("methods_case1")
+    (view,) = report_runs.load([runs.folder("methods_case1")])
+    section = shaft_model.section(view)
+    drawn, (_, instruments) = section["launch"], section["fits"][-1]
+    torque, rate, twist = (
+        {t["role"]: np.frombuffer(base64.b64decode(t["y"]["bdata"]), "<f4") for t in p["traces"]}
+        for p in drawn["panels"]
+    )
+    first, last = np.round(np.array(drawn["range"]) / STEP).astype(int)
+    truth = loop["plant.driveShaft.torque"][first : last + 1]
+    assert np.allclose(torque["truth"], truth, rtol=1e-6)
+    scatter = np.std(rate["frozen"] - rate["truth"])
+    assert scatter == pytest.approx(SPEED_NOISE * np.hypot(1, 1 / RATIO), rel=0.1)
+    assert np.ptp(twist["truth"]) > 100  # mrad
+    cured, printed = (rms(torque[role] - torque["truth"]) for role in ("observer", "map"))
+    assert instruments.method == "iv"
+    assert cured < 3 * instruments.stiffness.error / STIFFNESS * rms(torque["truth"])
+    assert printed > 1.3 * cured
 
 
 @pytest.mark.parametrize("case", [1, 2])

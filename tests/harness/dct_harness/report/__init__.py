@@ -109,7 +109,7 @@ def _context(views: list[View], title: str) -> dict[str, Any]:
     energy = figures.energy(views)
     drawn = [f for s in sections for f in s["figures"]]
     shown = next(filter(None, map(shaft_model.section, views)), None)
-    drawn += [shown["figure"]] if shown else []
+    drawn += [shown["figure"], shown["launch"]] if shown else []
     drawn += [c["figure"] for c in compared if c["figure"]] + ([energy] if energy else [])
     largest = max(views, key=lambda v: diagram.size(v.run))
     return {

@@ -156,7 +156,7 @@ def friction(view: View) -> Json | None:
     panels = []
     for clutch in CLUTCHES:
         known = coefficients(view.results, clutch)
-        roles = {"truth": "true T<sub>c</sub> / (r N θ)", "map": "nominal μₙ·f",
+        roles = {"truth": "true torque / (r N θ)", "map": "nominal μₙ·f",
                  "observer": "adapted μ·f"}  # fmt: skip
         lines = [trace(view, known[r] * KILO, r, n) for r, n in roles.items() if r in known]
         lines += _friction_before(view, clutch, known)

@@ -132,7 +132,7 @@ def _friction(view: View) -> Json | None:
     for clutch in CLUTCHES:
         known = friction.coefficients(view.results, clutch)
         lines = [figures.trace(view, known[r] * figures.KILO, r, n)
-                 for r, n in (("truth", "true T<sub>c</sub> / (r N θ)"), ("map", "nominal μₙ·f"))
+                 for r, n in (("truth", "true torque / (r N θ)"), ("map", "nominal μₙ·f"))
                  if r in known]  # fmt: skip
         lines += list(_coefficients(view, clutch, known))
         title = f"μ·f {figures.LABEL[clutch]} [kN/m]"

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import shaft
 from ..errors import ConfigError
-from . import figures
+from . import figures, launch
 from .runs import View
 
 NOISE = (0.1, 2.0)  # rad/s on both speeds, N·m on T_o
@@ -24,12 +24,13 @@ Json = dict[str, Any]
 
 
 def section(view: View) -> Json | None:
-    """Return the figure, what both models miss [% of RMS T_o], and fits with and without noise."""
+    """Return figures, what both models miss [% of RMS T_o], and fits with and without noise."""
     model = _model(view)
     if model is None:
         return None
+    clean, noisy = (_data(view, model.ratios[1], noise) for noise in ((0.0, 0.0), NOISE))
     try:
-        fits = [_fits(view, model.ratios[1], noise) for noise in ((0.0, 0.0), NOISE)]
+        fits = [_fits(view, data) for data in (clean, noisy)]
     except ConfigError:
         return None
     truth = view.results["plant.driveShaft.torque"]
@@ -37,7 +38,8 @@ def section(view: View) -> Json | None:
     scale = np.sqrt(np.mean(truth**2))
     missed = {role: 100 * np.sqrt(np.mean((t - truth) ** 2)) / scale for role, t in found.items()}
     return {"view": view, "figure": _figure(view, truth, found), "missed": missed, "noise": NOISE,
-            "fits": list(zip(*fits, strict=True)), "model": model}  # fmt: skip
+            "fits": list(zip(*fits, strict=True)), "model": model,
+            "launch": launch.figure(view, clean, noisy, fits[1])}  # fmt: skip
 
 
 def _model(view: View) -> shaft.Reduced | None:
@@ -73,15 +75,19 @@ def _torque(view: View, model: shaft.Reduced) -> np.ndarray:
     return shaft.simulate(model, view.run["step"], clutches, r["plant.load.torque"], start)
 
 
-def _fits(view: View, ratio: float, noise: tuple[float, float]) -> list[shaft.Fit]:
+def _data(view: View, ratio: float, noise: tuple[float, float]) -> launch.Data:
     r, white = view.results, np.random.default_rng(SEED)
     speed, wheel, torque = (
         r[name] + size * white.standard_normal(len(r.time))
         for name, size in (("plant.clutch2.speed", noise[0]), ("plant.wheel.speed", noise[0]),
                            ("plant.driveShaft.torque", noise[1]))
     )  # fmt: skip
-    rate = speed / ratio - wheel
-    return [shaft.identify(r.time, rate, torque, shaft.Window(), m) for m in shaft.METHODS]
+    return launch.Data(speed / ratio - wheel, torque)
+
+
+def _fits(view: View, data: launch.Data) -> list[shaft.Fit]:
+    time, window = view.results.time, shaft.Window()
+    return [shaft.identify(time, *data, window, method) for method in shaft.METHODS]
 
 
 def _figure(view: View, truth: np.ndarray, found: dict[str, np.ndarray]) -> Json | None:
