@@ -3,6 +3,7 @@
 //! ```text
 //! slips:     T_ci moves with its force, T_ci' = T_ci F'/F, and its friction walks: q = q_T T_ci²
 //! engaged:   T_k takes the place of T_ci, what the damper carries:          T_k' = k_d (ω_e − g_i ω_o)
+//! let go:    its friction may fall from static to kinetic:                  q += (μ_s/μ_k − 1)² T_ci²/t
 //! neither:   for the moment T_ci is a fast random walk
 //! ```
 //!
@@ -15,13 +16,18 @@
 //! so an engaged clutch swings with the damper after a lock-up or a gear change, and what the other one does in a
 //! handover does not move T_k. A random walk fast enough for the swing, 1400 N·m/s, lags by 10 N·m and lets the noise in.
 //!
+//! A clutch that was found to carry more than it can ([`release`](Tracker::release)) breaks away at once, or a few
+//! hundredths of a second later, t, which no speed tells before: its torque then falls within a step.
+//!
 //! The stiffness is not known to the last: T_k walks by a part of what the damper winds. Behind a clutch whose friction
 //! is not known that part is all of it, as what looks like a twist may be its slip.
 
 use crate::Params;
 use crate::observer::Sample;
 use crate::observer::filter::Belief;
+use crate::observer::friction::Friction;
 use crate::observer::grip::Hold;
+use crate::observer::lock::TIME;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::Speeds;
 use crate::observer::tracker::{OPEN, T_C, Tracker, W_E, W_O};
@@ -29,6 +35,8 @@ use nalgebra::SVector;
 
 /// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
 const UNSURE: f64 = 4000.0;
+/// Relative intensity of T_c of a clutch that was let go [1/s].
+const BREAKS: f64 = (Friction::STATIC - 1.0) * (Friction::STATIC - 1.0) / TIME;
 /// Relative deviation of a friction that was learnt earlier [1].
 const REMEMBERED: f64 = 0.15;
 /// Time for which its error lasts [s].
@@ -96,7 +104,8 @@ impl<const N: usize> Tracker<N> {
             match hold[i] {
                 Hold::Slips { now, .. } => {
                     let torque = x[T_C + i].abs().max(self.friction.mu[i] * now);
-                    q[T_C + i] *= torque * torque;
+                    let breaks = if self.lock.freed[i] { BREAKS } else { 0.0 };
+                    q[T_C + i] = (q[T_C + i] + breaks) * torque * torque;
                 }
                 Hold::Unsure => q[T_C + i] = UNSURE,
                 Hold::Engaged => {

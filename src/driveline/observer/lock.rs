@@ -31,8 +31,8 @@ const TAU: f64 = 0.01;
 const HANDOVER: f64 = 0.9;
 /// Such a slip that has a sign for sure [rad/s].
 const SURE: f64 = 0.5;
-/// Time for which it has to be [s].
-const TIME: f64 = lasting(0.03);
+/// Time for which it has to be, before a clutch is judged [s].
+pub(super) const TIME: f64 = lasting(0.03);
 
 /// What the slip of each clutch has told.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -47,8 +47,8 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
     check(Method::Lyapunov, &drive, 0.0, [2.7, 3.8, 1.2]);
     check(Method::Energy, &drive, 0.0, [1.5, 2.0, 1.0]);
     check(Method::Energy, &drive, NOISE, [3.3, 3.5, 3.0]);
-    check(Method::Kalman, &drive, 0.0, [1.8, 1.6, 0.9]);
-    check(Method::Kalman, &drive, NOISE, [3.3, 3.3, 1.1]);
+    check(Method::Kalman, &drive, 0.0, [1.4, 1.5, 0.9]);
+    check(Method::Kalman, &drive, NOISE, [3.0, 3.2, 1.1]);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn methods_hold_on_a_fading_friction_and_on_another_box() {
     check(Method::Lyapunov, &slow, 0.0, [6.5, 10.6, 3.7]);
     check(Method::Energy, &slow, 0.0, [4.0, 4.0, 2.0]);
     for method in [Method::Kalman, Method::Calibrating] {
-        check(method, &fading, 0.0, [2.1, 2.2, 1.0]);
+        check(method, &fading, 0.0, [1.4, 1.7, 0.8]);
         check(method, &dry_7, 0.0, [1.7, 2.4, 1.0]);
     }
 }
