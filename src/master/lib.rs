@@ -52,6 +52,7 @@ mod discard;
 mod error;
 mod fmu;
 mod gather;
+mod given;
 pub mod known_units;
 mod library;
 mod linker;

@@ -48,6 +48,8 @@ Examples:
   cosim run examples/closed_loop/paper_case1.toml --record plant.vehicle.speed
   cosim run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml
   cosim run paper_case1.ssp --scenario other.csv --set plant.vehicle.mass=1600
+  cosim run examples/closed_loop/launch_wet6.toml --parameters plant own.ssv
+  cosim run examples/closed_loop/calibration_case1.toml --calibration earlier/calibration.ssv
   cosim run examples/closed_loop/paper_case1.toml --timeout 60
 
 Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed, 5 timeout,
@@ -82,6 +84,12 @@ struct RunWords {
     /// Where FMUs are.
     #[arg(long, value_name = "FOLDER", default_value = "target/fmu")]
     fmu_dir: PathBuf,
+    /// Values of a component from a parameter file (.ssv); may be said again.
+    #[arg(long, num_args = 2, value_names = ["COMPONENT", "FILE"])]
+    parameters: Vec<PathBuf>,
+    /// calibration.ssv of an earlier run: observer and control start with what it had learnt.
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
     /// A parameter or start value in SI units, COMPONENT.VARIABLE=VALUE; may be said again.
     #[arg(long, value_name = "ASSIGNMENT", value_parser = assignment)]
     set: Vec<(String, String, Value)>,
@@ -166,26 +174,38 @@ fn assignment(text: &str) -> Result<(String, String, Value), String> {
     Ok((component.to_owned(), variable.to_owned(), value))
 }
 
+/// Takes the values of the command line, each kind above the one before it.
+fn give(system: &mut System, words: &RunWords) -> Result<(), Error> {
+    let (presets, _) = words.parameters.as_chunks();
+    for [component, file] in presets {
+        system.preset(&component.to_string_lossy(), file)?;
+    }
+    if let Some(file) = &words.calibration {
+        system.start_with(file)?;
+    }
+    for (component, variable, value) in &words.set {
+        system.set(component, variable, value.clone())?;
+    }
+    Ok(())
+}
+
 /// Returns what to tell when all went well.
 fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     let mut libraries = Libraries::below(ending.folder().to_owned());
     let mut system = System::open(&words.system, &mut libraries)?;
     system.step = words.step.unwrap_or(system.step);
     system.stop = words.stop.unwrap_or(system.stop);
-    system.scenario = words.scenario.or(system.scenario);
+    system.scenario = words.scenario.clone().or(system.scenario);
     system.interpolate |= words.interpolate;
-    words
-        .plant
-        .map_or(Ok(()), |fmu| system.replace_plant(fmu))?;
+    let plant = words.plant.clone();
+    plant.map_or(Ok(()), |fmu| system.replace_plant(fmu))?;
     if let Some(file) = &words.map {
         system.map(Mapping::load(file)?)?;
     }
     if let Some(file) = &words.noise {
         system.noise.take(Scenario::load(file)?);
     }
-    for (component, variable, value) in words.set {
-        system.set(&component, &variable, value)?;
-    }
+    give(&mut system, &words)?;
     let times = system.times()?;
     let (scenario, free) = system.scenario()?;
     if !free.is_empty() {

@@ -2,6 +2,9 @@
 
 use serde::Deserialize;
 
+/// The component that a mapping is for.
+pub const PLANT: &str = "plant";
+
 /// The name of a component.
 #[derive(Debug, PartialEq, Eq, Hash, Deserialize)]
 #[serde(try_from = "String")]

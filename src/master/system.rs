@@ -2,14 +2,14 @@
 
 use crate::description::Description;
 use crate::error::Error;
+use crate::given::Given;
 use crate::library::{Libraries, Library};
 use crate::mapping::Mapping;
-use crate::names::Name;
+use crate::names::{Name, PLANT};
 use crate::noise::Noise;
 use crate::plan::{Component, Connection, Coupling, Plan, Value};
 use crate::scenario::Scenario;
 use crate::ssp::{self, Package};
-use crate::suggest::did_you_mean;
 use crate::supplier::{Supplier, put};
 use crate::system_file::{File, Parameters, Part, Set};
 use crate::{ssv, wiring};
@@ -18,9 +18,6 @@ use std::sync::Arc;
 
 /// Components that step first, in this order; all others keep the order of the file.
 const ORDER: [&str; 3] = ["plant", "observer", "control"];
-
-/// The component that a mapping is for.
-const PLANT: &str = "plant";
 
 /// More communication points than this are a mistake.
 const MOST_STEPS: f64 = 1e8;
@@ -45,7 +42,7 @@ pub struct System {
     connections: Vec<Connection>,
     /// An .ssp, where the FMUs are; it has all connections.
     package: Option<Package>,
-    overrides: Vec<(String, String, Value)>,
+    given: Given,
     plant: Option<PathBuf>,
     mapping: Option<Mapping>,
 }
@@ -78,7 +75,7 @@ impl System {
             parts: parts.collect(),
             connections: told.connections,
             package: Some(package),
-            overrides: vec![],
+            given: Given::default(),
             plant: None,
             mapping: None,
         })
@@ -111,24 +108,27 @@ impl System {
             parts,
             connections: file.connections,
             package: None,
-            overrides: vec![],
+            given: Given::default(),
             plant: None,
             mapping: None,
         })
     }
 
-    /// Sets one parameter or start value, above those of the file.
+    /// Sets one parameter or start value, above all others.
     pub fn set(&mut self, component: &str, variable: &str, value: Value) -> Result<(), Error> {
-        if !self.parts.iter().any(|(name, _)| name == component) {
-            let known: Vec<&str> = self.parts.iter().map(|(name, _)| name.as_str()).collect();
-            let hint = did_you_mean(component, known.iter().copied());
-            let known = known.join(", ");
-            let what = format!("--set {component}.{variable}: no such component ({known}){hint}");
-            return Err(Error::Usage(what));
-        }
-        self.overrides
-            .push((component.into(), variable.into(), value));
-        Ok(())
+        let system = (self.path.as_path(), &*known(&self.parts));
+        self.given.set((component, variable, value), system)
+    }
+
+    /// Takes a parameter file (.ssv) for a component, above the values of the file.
+    pub fn preset(&mut self, component: &str, file: &Path) -> Result<(), Error> {
+        self.given
+            .preset(component, file, (&self.path, &known(&self.parts)))
+    }
+
+    /// Lets observer and control start with what an observer had learnt in an earlier run (.ssv), above `preset`.
+    pub fn start_with(&mut self, learnt: &Path) -> Result<(), Error> {
+        self.given.learnt(learnt, (&self.path, &known(&self.parts)))
     }
 
     /// Takes another FMU as component `plant`.
@@ -320,7 +320,7 @@ impl System {
         let mut found: Vec<(String, Value)> = vec![];
         for set in sets {
             let values = match set {
-                Set::File(file) => ssv::read(&folder.join(file), description)?,
+                Set::File(file) => ssv::read(&folder.join(file))?,
                 Set::Values(values) => values.clone().into_iter().collect(),
             };
             values
@@ -335,13 +335,13 @@ impl System {
                 put(&mut found, known.clone(), value.clone());
             }
         }
-        for (component, variable, value) in &self.overrides {
-            if component == name {
-                put(&mut found, variable.clone(), value.clone());
-            }
-        }
+        self.given.put(name, description, &mut found);
         Ok(found)
     }
+}
+
+fn known(parts: &[(String, Part)]) -> Vec<&str> {
+    parts.iter().map(|(name, _)| &**name).collect()
 }
 
 fn plant(components: &mut [Component]) -> Option<&mut Component> {

@@ -134,7 +134,7 @@ fn a_mistake_is_told_with_its_exit_code() {
         (
             vec!["run", &system, "--fmu-dir", &fmus, "--set", "plnt.a=1"],
             2,
-            "no such component (plant, observer); did you mean 'plant'?",
+            "has no component 'plnt' (plant, observer); did you mean 'plant'?",
         ),
         (
             vec![
