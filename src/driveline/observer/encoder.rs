@@ -196,6 +196,10 @@ impl Encoders {
         sample: &Sample,
         h: f64,
     ) -> Option<(Sample, Settings)> {
+        let told = settings.encoder.iter().any(|ticks| *ticks > 0.0);
+        if !told && self.ticks.iter().all(Ticks::is_none) {
+            return None;
+        }
         let usable = sample.is_finite() && h.is_finite() && h > 0.0;
         if !usable {
             return None;

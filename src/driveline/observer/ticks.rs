@@ -52,7 +52,7 @@ impl Ticks {
 
     /// Takes the next `reading` [rad/s], counted over `h` [s] if it is; `beside`: another encoder was recognised.
     pub fn step(&mut self, reading: f64, h: f64, beside: bool) {
-        if self.tick < 0.0 {
+        if self.is_none() {
             return;
         }
         self.divide((reading * h).abs(), COARSE * h);
@@ -60,6 +60,11 @@ impl Ticks {
         if beside && self.whole().is_some() {
             self.turns = ENOUGH;
         }
+    }
+
+    /// The speed is not counted, for all that will come.
+    pub fn is_none(&self) -> bool {
+        self.tick < 0.0
     }
 
     /// Ticks per revolution, once they are known.
