@@ -19,6 +19,7 @@
 //! assert!((0.26 * clutch.map.force(theta) * clutch.r_c_n - 40.0).abs() < 1e-9);
 //! ```
 
+use crate::kept::Kept;
 use crate::observer::lock;
 use crate::params::ClutchParams;
 use nalgebra::ComplexField;
@@ -187,22 +188,28 @@ fn target(clutch: &ClutchParams, tuning: &Tuning, demand: &Demand, trim: f64) ->
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Rate {
     filtered: f64,
+    /// e^{−h/τ} of the last step h [s].
+    forget: Kept<f64, f64>,
 }
 
 impl Rate {
     /// At rest at `value`.
     pub const fn at(value: f64) -> Self {
-        Self { filtered: value }
+        Self {
+            filtered: value,
+            forget: Kept::NOTHING,
+        }
     }
 
-    /// The filtered value, which is the whole state.
+    /// The filtered value, which is all that is state.
     pub const fn state(&mut self) -> &mut f64 {
         &mut self.filtered
     }
 
     /// The rate after `h` [s] at `value`, in its unit per second.
     pub fn step(&mut self, value: f64, h: f64) -> f64 {
-        self.filtered = value + (self.filtered - value) * ComplexField::exp(-h / TAU);
+        let forget = self.forget.of(h, |h| ComplexField::exp(-h / TAU));
+        self.filtered = value + (self.filtered - value) * forget;
         (value - self.filtered) / TAU
     }
 }

@@ -9,6 +9,7 @@ pub mod friction;
 pub mod identify;
 pub mod integrate;
 pub mod jerk;
+mod kept;
 pub mod matrices;
 pub mod observer;
 pub mod params;

@@ -21,6 +21,7 @@
 //! A brake torque that is measured is kept apart: it counts at once, also while the rest is held.
 
 use crate::Params;
+use crate::kept::Kept;
 use crate::observer::lock::Lock;
 use crate::observer::{Sample, Visit, brake, lasting, visit_switch};
 use nalgebra::ComplexField;
@@ -58,6 +59,8 @@ pub struct Load {
     pub held: f64,
     /// An engagement was long enough to find T_v.
     pub found: bool,
+    /// e^{−h/τ} of the last step h [s].
+    forget: Kept<f64, f64>,
 }
 
 impl Default for Load {
@@ -70,6 +73,7 @@ impl Default for Load {
             t_v: 0.0,
             held: 0.0,
             found: false,
+            forget: Kept::NOTHING,
         }
     }
 }
@@ -142,7 +146,7 @@ impl Load {
             (self.momentum, self.torque, self.running) = (momentum, before, 0.0);
             return;
         }
-        let forget = ComplexField::exp(-h / TAU);
+        let forget = self.forget.of(h, |h| ComplexField::exp(-h / TAU));
         self.momentum = momentum + (self.momentum - momentum) * forget;
         self.torque = torque + (self.torque - torque) * forget;
         self.running += h;
