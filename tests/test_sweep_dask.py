@@ -11,11 +11,12 @@ from pathlib import Path
 
 import pytest
 from dct_harness.errors import ConfigError
+from dct_harness.sweep import on_dask
 from dct_harness.sweep.bundle import BLOBS, Bundle
 from dct_harness.sweep.cases import Job
 from dct_harness.sweep.on_dask import HERE, RUN, SCRATCH, cluster
-from dct_harness.sweep.workers import Setup, run_one
-from distributed import LocalCluster
+from dct_harness.sweep.workers import Row, Setup, run_one
+from distributed import LocalCluster, get_worker
 from harness_fixture.lag_fmu import harness, write_system
 
 VARY = ("--runs", "4", "--vary", "plant.failAt=uniform(0.5,1.5)")
@@ -119,3 +120,32 @@ def test_an_address_without_a_scheduler_is_a_sentence(
     with pytest.raises(ConfigError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler there"):
         list(cluster([Job(1, {})], setup, files, "tcp://127.0.0.1:9", 1))
     assert time.monotonic() - started < 20
+
+
+def test_a_run_that_fails_is_tried_again_on_another_worker(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One of three workers is broken: it fails whatever it gets, no run meets it twice."""
+    made: dict[int, list[str]] = {}
+
+    def broken(setup: Setup, job: Job) -> tuple[Row, bool]:
+        worker = get_worker().address
+        made.setdefault(job.number, []).append(worker)
+        bad = worker == workers[0]
+        return {"run": job.number, "verdict": "exit 3" if bad else "not judged"}, bad
+
+    monkeypatch.setattr(on_dask, "attempt", broken)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    jobs = [Job(k, {}, ()) for k in range(3 * RUNS)]
+    system, setup = write_system(tmp_path), Setup((), tmp_path, retries=1)
+    with LocalCluster(
+        n_workers=3, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as there:
+        workers = [w.address for w in there.workers.values()]
+        found = list(cluster(jobs, setup, [system], there.scheduler_address, 3))
+    assert sorted(row["run"] for row in found) == [job.number for job in jobs]
+    assert {row["verdict"] for row in found} == {"not judged"}
+    failed = [by for by in made.values() if len(by) > 1]
+    assert failed, "the broken worker had nothing to do"
+    assert all(by[0] == workers[0] != by[1] and len(by) == 2 for by in failed)

@@ -2,7 +2,8 @@
 
 Files travel by content: each goes once to each worker, whatever it is called and however many runs
 read it, and lies there under its SHA-256. A run whose worker dies is taken by another one; after
-some deaths it is recorded as lost.
+some deaths it is recorded as lost. A run that fails is tried again on another worker, for the cause
+may be of the worker: no room, no memory, a library that its machine lacks.
 
 What runs unpack and write lies in the folder of their worker. That of a worker that was killed goes
 with the sweep, or, on a cluster elsewhere, when dask starts the next worker there.
@@ -16,13 +17,14 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..errors import ConfigError
 from .bundle import Bundle
 from .cases import Job
-from .workers import LOST, TRIES, Row, Setup, run_one
+from .workers import LOST, TRIES, Row, Setup, attempt
 
 HERE = "local"  # in place of an address: a cluster of this machine
 GRACE = "30 s"  # to find the scheduler
@@ -55,14 +57,28 @@ def cluster(
         except (OSError, TimeoutError, ValueError) as error:
             raise ConfigError(f"--dask {address}: no scheduler there: {error}") from error
         blobs = client.scatter(bundle.blobs(), broadcast=True)
-        futures = {client.submit(_apart, job, setup, bundle, blobs, pure=False,
-                                 retries=TRIES): job for job in jobs}  # fmt: skip
-        for future in completed(futures):
-            job = futures[future]
+        submit = partial(client.submit, _apart, pure=False, retries=TRIES)
+        futures = {submit(job, setup, bundle, blobs): (job, setup.retries) for job in jobs}
+        ended = completed(list(futures))
+        for future in ended:
+            job, left = futures.pop(future)
             try:
-                yield future.result()
+                row, another, worker = future.result()
             except killed:
                 yield {"run": job.number, **job.chosen, "verdict": LOST}
+                continue
+            if another and left:
+                again = submit(job, setup, bundle, blobs, **_elsewhere(client, worker))
+                futures[again] = job, left - 1
+                ended.add(again)
+            else:
+                yield row
+
+
+def _elsewhere(client: Any, worker: str) -> dict[str, Any]:
+    """Return what sends a run to any other worker, as long as there is one."""
+    others = [address for address in client.nthreads() if address != worker]
+    return {"workers": others, "allow_other_workers": True} if others else {}
 
 
 @contextmanager
@@ -86,14 +102,21 @@ def _dask() -> tuple[Any, Any, Any, Any, Any]:
     return Client, LocalCluster, as_completed, KilledWorker, config
 
 
-def _apart(job: Job, setup: Setup, bundle: Bundle, blobs: dict[str, bytes]) -> Row:
-    """Run once on a worker; all its files are in the worker's folder, which goes with it."""
+def _apart(
+    job: Job, setup: Setup, bundle: Bundle, blobs: dict[str, bytes]
+) -> tuple[Row, bool, str]:
+    """Run once on a worker; all its files are in the worker's folder, which goes with it.
+
+    Returns the row, whether another try may mend it, and the worker's address.
+    """
     from distributed import get_worker
 
-    own = get_worker().local_directory
+    worker = get_worker()
+    own = worker.local_directory
     # For all runs of this process: FMUs are unpacked into it, by Python and by the compiled master.
     os.environ["TMPDIR"] = tempfile.tempdir = own
     root = bundle.unpack(Path(own), blobs)
     with tempfile.TemporaryDirectory(prefix=f"{RUN}{os.getpid()}-") as out:
         there = replace(setup, common=bundle.moved(setup.common, root), folder=Path(out))
-        return run_one(there, job._replace(words=bundle.moved(job.words, root)))
+        row, another = attempt(there, job._replace(words=bundle.moved(job.words, root)))
+    return row, another, worker.address

@@ -133,21 +133,28 @@ class Setup:
 
 
 def run_one(setup: Setup, job: Job) -> Row:
-    """Run once; returns the chosen values, the verdict and the KPIs of the whole scenario.
+    """Run until it succeeds or its retries are used up; returns the last row."""
+    for _ in range(setup.retries):
+        row, another = attempt(setup, job)
+        if not another:
+            return row
+    return attempt(setup, job)[0]
 
-    A run that fails does not end the sweep: after its retries its verdict is its exit code's
-    name, and `error` says why.
+
+def attempt(setup: Setup, job: Job) -> tuple[Row, bool]:
+    """Run once; returns the row, and whether another try may mend what went wrong.
+
+    The row has the chosen values, the verdict and the KPIs of the whole scenario. A run that fails
+    does not end the sweep: its verdict is its exit code's name, and `error` says why.
     """
-    for left in range(setup.retries, -1, -1):
-        try:
-            return _done(setup, job)
-        except (ConfigError, InterruptedRunError):
-            raise
-        except HarnessError as error:
-            if not (left and type(error) in REPEATED):
-                return {"run": job.number, **job.chosen, "verdict": f"exit {error.exit_code}",
-                        "error": str(error)}  # fmt: skip
-    raise AssertionError("a loop that returns")
+    try:
+        return _done(setup, job), False
+    except (ConfigError, InterruptedRunError):
+        raise
+    except HarnessError as error:
+        row = {"run": job.number, **job.chosen, "verdict": f"exit {error.exit_code}",
+               "error": str(error)}  # fmt: skip
+        return row, type(error) in REPEATED
 
 
 def _done(setup: Setup, job: Job) -> Row:
