@@ -53,6 +53,7 @@ impl Fmu {
                 error: Box::new(error),
             },
         })?;
+        library.keep_loaded();
         Ok(Self {
             inputs: Signals::new(inputs.iter().copied()),
             outputs: Signals::new(outputs.iter().copied()),

@@ -3,13 +3,16 @@
 use crate::description::Description;
 use crate::error::Error;
 use crate::package;
+use cosim_raw::Loaded;
 use fmi::fmi2::import::Fmi2Import;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// An unpacked FMU; any number of instances may be made of it, also by several threads.
 pub struct Library {
+    /// Dropped before `import`, which owns the files.
+    loaded: OnceLock<Option<Loaded>>,
     pub(crate) import: Fmi2Import,
     description: Description,
     pub(crate) path: PathBuf,
@@ -25,10 +28,16 @@ impl Library {
             what: format!("modelDescription.xml: {what}"),
         })?;
         Ok(Self {
+            loaded: OnceLock::new(),
             import,
             description,
             path: path.to_owned(),
         })
+    }
+
+    /// Keeps it loaded between runs, where that changes nothing.
+    pub(crate) fn keep_loaded(&self) {
+        self.loaded.get_or_init(|| Loaded::new(&self.import));
     }
 
     /// What it says of its variables.

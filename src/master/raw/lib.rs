@@ -50,6 +50,29 @@ unsafe extern "C" {
     fn free(memory: *mut c_void);
 }
 
+/// The library of an FMU, which stays loaded: instances that are made meanwhile need not load it.
+pub struct Loaded {
+    _binding: Fmi2Binding,
+}
+
+impl Loaded {
+    /// Loads the library of an FMU that this project built; none of others, which may keep something of
+    /// one run for the next where nothing unloads them.
+    pub fn new(import: &Fmi2Import) -> Option<Self> {
+        let description = import.model_description();
+        let kind = description.co_simulation.as_ref()?;
+        ours(import).then_some(())?;
+        let _binding = import.binding(&kind.model_identifier).ok()?;
+        Some(Self { _binding })
+    }
+}
+
+/// This project built the FMU.
+fn ours(import: &Fmi2Import) -> bool {
+    let tool = import.model_description().generation_tool.as_deref();
+    tool.is_some_and(|tool| tool.starts_with(OURS))
+}
+
 /// A living instance; freed and unloaded when dropped, not terminated.
 pub struct Instance {
     component: fmi2Component,
@@ -82,9 +105,7 @@ impl Instance {
             description.guid.clone(),
             import.canonical_resource_path_string(),
         ];
-        let tool = description.generation_tool.as_deref();
-        let speaks = tool.is_some_and(|tool| tool.starts_with(OURS));
-        Self::instantiate(binding, texts.map(CString::new), speaks, log)
+        Self::instantiate(binding, texts.map(CString::new), ours(import), log)
     }
 
     /// `texts`: name, GUID, place of the resources.
