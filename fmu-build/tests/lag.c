@@ -1,7 +1,8 @@
 /* A first-order lag as an FMU, written by hand: T x' = u - x, y = x, z = x + 2 u, m = 2 n.
  *
- * It is sound. Compiled with -DX it has the defect X, which the check must find. FMI's own headers are not
- * needed: the types below are those of fmi2FunctionTypes.h. */
+ * It is sound, and strict: as FMI 2.0.4 says in 4.2.4, nothing can be read before initialization mode.
+ * Compiled with -DX it has the defect X, which the check must find. FMI's own headers are not needed: the
+ * types below are those of fmi2FunctionTypes.h. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@ typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING_ } Status;
 
 typedef struct {
     double u, T, x, slope;
-    int n, ready, steps, pending;
+    int n, readable, steps, pending;
 } Lag;
 
 static Lag *instances[8];
@@ -91,13 +92,13 @@ EXPORT Status fmi2EnterInitializationMode(Component c) {
 #ifdef EXIT_ENTER
     exit(0);
 #endif
+    LAG(c)->readable = 1;
     return OK;
 }
 EXPORT Status fmi2ExitInitializationMode(Component c) {
 #ifdef CRASH_EXIT
     *(volatile int *)8 = 1;
 #endif
-    LAG(c)->ready = 1;
     return OK;
 }
 EXPORT Status fmi2Terminate(Component c) {
@@ -120,6 +121,7 @@ static double *real(Lag *lag, Ref ref) { return ref == 0 ? &lag->u : ref == 1 ? 
 
 EXPORT Status fmi2GetReal(Component c, const Ref refs[], size_t count, double values[]) {
     Lag *lag = LAG(c);
+    if (!lag->readable) return ERROR;
     for (size_t i = 0; i < count; i++) {
         double *found = real(lag, refs[i]);
         if (found) values[i] = *found;
@@ -136,6 +138,7 @@ EXPORT Status fmi2GetReal(Component c, const Ref refs[], size_t count, double va
     return OK;
 }
 EXPORT Status fmi2GetInteger(Component c, const Ref refs[], size_t count, int values[]) {
+    if (!LAG(c)->readable) return ERROR;
     for (size_t i = 0; i < count; i++) values[i] = refs[i] == 0 ? LAG(c)->n : 2 * LAG(c)->n;
     return OK;
 }

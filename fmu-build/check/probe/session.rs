@@ -54,9 +54,14 @@ impl<'a> Session<'a> {
     /// An instance in initialization mode.
     pub(super) fn initializing(&self) -> Result<Instance<'a>> {
         let instance = self.instance()?;
-        done(instance.setup_experiment(self.start())?)?;
-        done(instance.call(Transition::EnterInitializationMode)?)?;
+        self.initialize(&instance)?;
         Ok(instance)
+    }
+
+    /// Brings an instance that was only made, or reset, to initialization mode.
+    pub(super) fn initialize(&self, instance: &Instance<'_>) -> Result<()> {
+        done(instance.setup_experiment(self.start())?)?;
+        done(instance.call(Transition::EnterInitializationMode)?)
     }
 
     /// An instance that can be stepped.
@@ -169,13 +174,8 @@ impl Run<'_> {
     /// Back to the beginning by fmi2Reset.
     pub(super) fn reset(&self, session: &Session<'_>) -> Result<()> {
         done(self.instance.call(Transition::Reset)?)?;
-        done(self.instance.setup_experiment(session.start())?)?;
-        for transition in [
-            Transition::EnterInitializationMode,
-            Transition::ExitInitializationMode,
-        ] {
-            done(self.instance.call(transition)?)?;
-        }
+        session.initialize(&self.instance)?;
+        done(self.instance.call(Transition::ExitInitializationMode)?)?;
         self.time.set(session.start());
         Ok(())
     }

@@ -3,7 +3,7 @@
 use super::super::Report;
 use super::super::native::Transition;
 use super::super::refused::done;
-use super::session::{Session, Variable};
+use super::session::{Session, Variable, values};
 use super::stimuli::{Stimuli, other};
 use super::value::Value;
 use crate::Result;
@@ -50,15 +50,19 @@ fn check_inputs(session: &Session<'_>, report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-/// Parameters before the start, each in an instance of its own: it may not fit to the others.
+/// Parameters before the start, each in an instance of its own: it may not fit to the others. They are read in
+/// initialization mode, before which FMI lets nobody read (4.2.4).
 fn check_parameters(session: &Session<'_>, report: &mut Report) -> Result<()> {
-    for parameter in session.all("parameter") {
-        let instance = session.instance()?;
-        let Some(value) = other(&parameter, &parameter.get(&instance)?) else {
+    let parameters = session.all("parameter");
+    let starts = values(&session.initializing()?, &parameters)?;
+    for (parameter, start) in parameters.iter().zip(&starts) {
+        let Some(value) = other(parameter, start) else {
             continue;
         };
-        if parameter.set(&instance, &value).is_ok() {
-            compare(&parameter, &value, &parameter.get(&instance)?, report);
+        let instance = session.instance()?;
+        let set = parameter.set(&instance, &value);
+        if set.and_then(|()| session.initialize(&instance)).is_ok() {
+            compare(parameter, &value, &parameter.get(&instance)?, report);
         }
     }
     Ok(())
