@@ -12,6 +12,7 @@
 
 use crate::Params;
 use crate::observer::friction::Friction;
+use crate::observer::instant::Instant;
 use crate::observer::lever::Lever;
 use crate::observer::load::Load;
 use crate::observer::lock::Lock;
@@ -131,20 +132,21 @@ impl Adaptive {
     ) -> Estimate {
         *self = Self {
             friction: Friction::nominal(settings.mu_n),
-            g: ratios(p, sample, lowest_ratios(p)),
+            g: ratios(p.g(sample.gear), lowest_ratios(p)),
             ..Self::default()
         };
         if !sample.is_finite() {
             return self.refuse();
         }
-        let y = self.measured(p, sample);
+        let at = Instant::new(p, sample);
+        let y = self.measured(&at);
         self.x_hat = Vector3::new(y[0], y[1], 0.0);
         self.slip = sample.slip();
         self.lock.start(p, sample);
         self.monitor.start(p, sample);
-        let mut now = self.now(p, sample, design);
-        now.t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
-        self.estimate(p, settings, sample, &now)
+        let mut now = self.now(&at, design);
+        now.t_v = self.load.step(&at, settings.load, &self.lock, 0.0);
+        self.estimate(settings, &at, &now)
     }
 
     /// Advances by `h` [s] with the gains that `design` gives.
@@ -159,26 +161,27 @@ impl Adaptive {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.refuse();
         }
-        self.follow_gears(p, sample);
-        let mut now = self.now(p, sample, design);
+        let at = Instant::new(p, sample);
+        self.follow_gears(&at);
+        let mut now = self.now(&at, design);
         let engaged = self.lock.engaged();
         let t_c = self.torques(settings, &now.levers).1;
-        self.lock.step(p, sample, t_c, h);
+        self.lock.step(&at, t_c, h);
         if settings.adapts {
             now.rise = self.recall(p, settings.mu_n, sample, &now.levers, engaged, h);
             self.adapt(&now, settings.mu_n, h);
         }
-        now.t_v = self.load.step(p, settings.load, sample, &self.lock, h);
-        let y = self.measured(p, sample);
+        now.t_v = self.load.step(&at, settings.load, &self.lock, h);
+        let y = self.measured(&at);
         now.model.j_v = self.j_v(p, sample, y, now.t_v);
         self.predict(settings, sample, &now, h);
         self.innovation = y - self.x_hat.fixed_rows::<2>(0);
         let mu_hat = self.mu_hat(settings, &now.levers);
         let (engaged, e) = (self.lock.engaged(), self.innovation.into());
-        self.friction.learn(p, sample, engaged, mu_hat, h);
-        self.monitor.step(p, sample, engaged, e, h);
+        self.friction.learn(&at, engaged, mu_hat, h);
+        self.monitor.step(&at, engaged, e, h);
         self.monitor.saturated = self.saturated;
-        self.estimate(p, settings, sample, &now)
+        self.estimate(settings, &at, &now)
     }
 
     /// Visits every number of the state.
@@ -197,17 +200,18 @@ impl Adaptive {
         self.monitor.visit(visit);
     }
 
-    fn now(&self, p: &Params, sample: &Sample, design: impl FnOnce(&At) -> Design) -> Now {
-        let model = Reduced::referred_to(p, p.g(sample.gear), self.g[1], p.c_o);
+    fn now(&self, now: &Instant<'_>, design: impl FnOnce(&At) -> Design) -> Now {
+        let p = now.p;
+        let model = Reduced::referred_to(p, now.g, self.g[1], p.c_o);
         let table = Params::TABLE_1;
         let at = At {
             model,
             lowest: Reduced::new(&table, lowest_ratios(&table), table.c_o),
-            told: alone(p, sample).filter(|i| self.friction.known(*i) || self.friction.taken(*i)),
+            told: alone(now).filter(|i| self.friction.known(*i) || self.friction.taken(*i)),
             radius: radius(p),
         };
         Now {
-            levers: [0, 1].map(|i| Lever::new(p, sample, i)),
+            levers: [0, 1].map(|i| Lever::new(now, i)),
             design: design(&at),
             model,
             a: model.a_slip(),
@@ -219,8 +223,9 @@ impl Adaptive {
     /// y = (x1, x2) of (12).
     ///
     /// Deviation: with the even shaft in neutral ω_c1 stands in for ω_c2, and ω_w with both.
-    fn measured(&self, p: &Params, sample: &Sample) -> Vector2<f64> {
-        let omega_c2 = match p.g(sample.gear) {
+    fn measured(&self, now: &Instant<'_>) -> Vector2<f64> {
+        let sample = now.sample;
+        let omega_c2 = match now.g {
             [0.0, 0.0] => sample.omega_w * self.g[1],
             [g1, 0.0] => sample.omega_c[0] * self.g[1] / g1,
             _ => sample.omega_c[1],
@@ -233,12 +238,12 @@ impl Adaptive {
 
     /// New gears define new x1 and x2: they start from measurements, and x̂3 follows the jump of x2 as
     /// (15) says, ẋ3 = k x2 + c ẋ2.
-    fn follow_gears(&mut self, p: &Params, sample: &Sample) {
-        let g = ratios(p, sample, self.g);
+    fn follow_gears(&mut self, now: &Instant<'_>) {
+        let g = ratios(now.g, self.g);
         if g != self.g {
             self.g = g;
-            let y = self.measured(p, sample);
-            self.x_hat[2] += p.c_o * (y[1] - self.x_hat[1]);
+            let y = self.measured(now);
+            self.x_hat[2] += now.p.c_o * (y[1] - self.x_hat[1]);
             self.x_hat.fixed_rows_mut::<2>(0).copy_from(&y);
             self.innovation = Vector2::zeros();
         }
@@ -334,11 +339,11 @@ impl Adaptive {
         }
     }
 
-    fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, now: &Now) -> Estimate {
+    fn estimate(&self, settings: &Settings, at: &Instant<'_>, now: &Now) -> Estimate {
         let (mu_f, t_c) = self.torques(settings, &now.levers);
         let (t_c_deviation, t_o_deviation) = self.unexplained(now);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(p, settings, sample, engaged, fault);
+        let common = common_estimate(settings, at, engaged, fault);
         Estimate {
             t_c,
             t_o: self.x_hat[2],
@@ -369,8 +374,7 @@ impl Adaptive {
     }
 }
 
-/// g1, g2 of the gears preselected; a shaft in neutral keeps its last ratio.
-fn ratios(p: &Params, sample: &Sample, last: [f64; 2]) -> [f64; 2] {
-    let g = p.g(sample.gear);
+/// g1, g2 of the gears that are in, `g`; a shaft in neutral keeps its last ratio.
+fn ratios(g: [f64; 2], last: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| if g[i] == 0.0 { last[i] } else { g[i] })
 }

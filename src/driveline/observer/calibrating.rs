@@ -52,6 +52,7 @@ use crate::observer::filter::{Belief, Terms};
 use crate::observer::friction::SETTLING;
 use crate::observer::friction_map::{FrictionMap, POINTS};
 use crate::observer::grip::{Grip, Hold};
+use crate::observer::instant::Instant;
 use crate::observer::prior::Prior;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
@@ -336,7 +337,7 @@ impl Calibrating {
             calibration: self.weighed(p, settings),
             ..own
         };
-        said.with_friction_terms(p, settings, sample)
+        said.with_friction_terms(settings, &Instant::new(p, sample))
     }
 }
 

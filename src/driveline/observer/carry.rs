@@ -23,7 +23,6 @@
 //! is not known that part is all of it, as what looks like a twist may be its slip.
 
 use crate::Params;
-use crate::observer::Sample;
 use crate::observer::filter::Belief;
 use crate::observer::friction::Friction;
 use crate::observer::grip::Hold;
@@ -31,6 +30,7 @@ use crate::observer::lock::TIME;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::Speeds;
 use crate::observer::tracker::{OPEN, T_C, Tracker, W_E, W_O};
+use crate::observer::{Sample, forces};
 use nalgebra::SVector;
 
 /// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
@@ -53,7 +53,7 @@ const FORCE: [f64; 2] = [0.3, 1.0];
 impl<const N: usize> Tracker<N> {
     /// T_k = T_c1 + T_c2 takes the place of T_ci where clutch i engages, and gives it back where it lets go.
     pub fn engage(&mut self, p: &Params, sample: &Sample) {
-        let engaged = self.lock.harder(p, sample);
+        let engaged = self.lock.harder(forces(p, sample));
         if engaged != self.engaged {
             for (clutch, sign) in [(self.engaged, -1.0), (engaged, 1.0)] {
                 if let Some(i) = clutch {

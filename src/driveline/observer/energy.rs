@@ -49,6 +49,7 @@ use crate::Params;
 use crate::observer::breakaway::BreakAway;
 use crate::observer::damper::{Behind, Discrete, SPEEDS, State, Torques};
 use crate::observer::friction::Friction;
+use crate::observer::instant::Instant;
 use crate::observer::load::Load;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
@@ -158,11 +159,12 @@ impl Observer for Energy {
         if !sample.is_finite() {
             return self.refuse();
         }
-        self.take_speeds(p, sample);
+        let now = Instant::new(p, sample);
+        self.take_speeds(&now);
         self.lock.start(p, sample);
         self.monitor.start(p, sample);
-        let t_v = self.load.step(p, settings.load, sample, &self.lock, 0.0);
-        self.estimate(p, settings, sample, t_v)
+        let t_v = self.load.step(&now, settings.load, &self.lock, 0.0);
+        self.estimate(settings, &now, t_v)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
@@ -174,28 +176,32 @@ impl Observer for Energy {
         } else {
             settings.energy
         };
-        if self.g != p.g(sample.gear) {
-            self.take_speeds(p, sample);
+        let now = Instant::new(p, sample);
+        if self.g != now.g {
+            self.take_speeds(&now);
         }
-        let t_c = self.torques(p, settings, sample);
-        self.lock.step(p, sample, t_c, h);
-        self.find_break_away(p, sample, t_c, h);
+        let t_c = self.torques(settings, &now);
+        self.lock.step(&now, t_c, h);
+        self.find_break_away(&now, t_c, h);
         if settings.adapts {
-            self.recall(p, settings, sample);
-            self.adapt(p, settings, sample, gains.l_c, h);
+            self.recall(settings, &now);
+            self.adapt(settings, &now, gains.l_c, h);
         }
-        let t_v = self.load.step(p, settings.load, sample, &self.lock, h);
+        let t_v = self.load.step(&now, settings.load, &self.lock, h);
         let t_o = Behind::new(p, sample, None).t_o(&self.x_hat);
         let standing = held(p, sample, self.x_hat[2], t_o, t_v - brake(p, sample));
-        let moving = standing.as_ref().unwrap_or(p);
-        self.predict(moving, settings, sample, t_v, gains.l, h);
-        self.innovation = measured(p, sample) - self.x_hat.fixed_rows::<3>(0);
+        let moving = Instant {
+            p: standing.as_ref().unwrap_or(p),
+            ..now
+        };
+        self.predict(settings, &moving, t_v, gains.l, h);
+        self.innovation = measured(&now) - self.x_hat.fixed_rows::<3>(0);
         let mu_hat = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * self.lock.direction[i]);
         let engaged = self.holds();
-        self.friction.learn(p, sample, engaged, mu_hat, h);
-        let e = self.innovation_x(p, sample);
-        self.monitor.step(p, sample, self.lock.engaged(), e, h);
-        self.estimate(p, settings, sample, t_v)
+        self.friction.learn(&now, engaged, mu_hat, h);
+        let e = self.innovation_x(now.g);
+        self.monitor.step(&now, self.lock.engaged(), e, h);
+        self.estimate(settings, &now, t_v)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -217,16 +223,16 @@ impl Observer for Energy {
 impl Energy {
     /// Speeds from measurements: at the start, and when a gear comes in, which is a shock that no torque
     /// of the model explains. T̂_s, the twist, goes on.
-    fn take_speeds(&mut self, p: &Params, sample: &Sample) {
-        let y = measured(p, sample);
+    fn take_speeds(&mut self, now: &Instant<'_>) {
+        let y = measured(now);
         self.x_hat.fixed_rows_mut::<3>(0).copy_from(&y);
         self.innovation = Vector3::zeros();
-        self.g = p.g(sample.gear);
+        self.g = now.g;
     }
 
     /// A clutch that begins to slip has the friction that was learnt in its last slip.
-    fn recall(&mut self, p: &Params, settings: &Settings, sample: &Sample) {
-        let (engaged, w) = (self.holds(), self.levers(p, sample));
+    fn recall(&mut self, settings: &Settings, now: &Instant<'_>) {
+        let (engaged, w) = (self.holds(), self.levers(now));
         let slipping = [0, 1].map(|i| w[i] != 0.0 && !engaged[i]);
         for i in (0..2).filter(|i| slipping[*i] && !self.slipping[*i]) {
             if self.friction.known(i) {
@@ -240,19 +246,15 @@ impl Energy {
 
     /// An engaged clutch of an unknown friction lets go where its slip leaves the model at the most it has carried. What
     /// the speeds have run apart by since then is slip, and no error of theirs.
-    fn find_break_away(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
-        let (w, g, holds) = (
-            self.levers(p, sample).map(f64::abs),
-            p.g(sample.gear),
-            self.holds(),
-        );
+    fn find_break_away(&mut self, now: &Instant<'_>, t_c: [f64; 2], h: f64) {
+        let (w, g, holds) = (self.levers(now).map(f64::abs), now.g, self.holds());
         let apart = g.map(|g| self.innovation[0] - g * self.innovation[1]);
         for i in [0, 1] {
             if !holds[i] || w[i] <= LEVER || self.friction.known(i) {
                 self.break_away.rest(i);
             } else if self.break_away.step(i, w[i], t_c[i], apart[i], h) {
                 self.lock.let_go(i, t_c[i]);
-                self.take_speeds(p, sample);
+                self.take_speeds(now);
             }
         }
     }
@@ -263,17 +265,16 @@ impl Energy {
     }
 
     /// w_i: torque per unit of friction, with the sign of the slip [N·m], shape (2).
-    fn levers(&self, p: &Params, sample: &Sample) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let clutch = &p.clutch[i];
-            clutch.r_c_n * clutch.force(sample.actuation[i]) * self.lock.direction[i]
-        })
+    fn levers(&self, now: &Instant<'_>) -> [f64; 2] {
+        let levers = now.levers();
+        [0, 1].map(|i| levers[i] * self.lock.direction[i])
     }
 
     /// The adaptation with the innovation held, projected onto friction coefficients that exist.
-    fn adapt(&mut self, p: &Params, settings: &Settings, sample: &Sample, l_c: f64, h: f64) {
-        let (g, w, e) = (p.g(sample.gear), self.levers(p, sample), self.innovation);
-        let engaged = self.lock.harder(p, sample);
+    fn adapt(&mut self, settings: &Settings, now: &Instant<'_>, l_c: f64, h: f64) {
+        let Instant { p, sample, g, .. } = *now;
+        let (w, e) = (self.levers(now), self.innovation);
+        let engaged = self.lock.harder(now.force);
         let mut bounded = false;
         let holds = [0, 1].map(|i| engaged == Some(i));
         let l_c = engaged.map_or(l_c, |_| HANDOVER * l_c);
@@ -291,10 +292,11 @@ impl Energy {
     }
 
     /// T̂_c1, T̂_c2 [N·m] at the present state.
-    fn torques(&self, p: &Params, settings: &Settings, sample: &Sample) -> [f64; 2] {
-        let w = self.levers(p, sample);
+    fn torques(&self, settings: &Settings, now: &Instant<'_>) -> [f64; 2] {
+        let Instant { p, sample, .. } = *now;
+        let w = self.levers(now);
         let mut t_c = [0, 1].map(|i| (settings.mu_n[i] + self.epsilon[i]) * w[i]);
-        if let Some(i) = self.lock.harder(p, sample) {
+        if let Some(i) = self.lock.harder(now.force) {
             let model = Behind::new(p, sample, Some(i));
             t_c[i] = model.clutch_torque(&self.x_hat, i, t_c[1 - i], sample.t_y);
         }
@@ -302,17 +304,10 @@ impl Energy {
     }
 
     /// Model copy and correction over one step, the innovation held.
-    fn predict(
-        &mut self,
-        p: &Params,
-        settings: &Settings,
-        sample: &Sample,
-        t_v: f64,
-        l: [f64; 3],
-        h: f64,
-    ) {
+    fn predict(&mut self, settings: &Settings, now: &Instant<'_>, t_v: f64, l: [f64; 3], h: f64) {
+        let Instant { p, sample, .. } = *now;
         let key = Key {
-            model: Behind::new(p, sample, self.lock.harder(p, sample)),
+            model: Behind::new(p, sample, self.lock.harder(now.force)),
             l,
             h,
         };
@@ -321,21 +316,21 @@ impl Energy {
             _ => key.model.discrete(l, h),
         };
         self.cache = Some((key, discrete));
-        let [one, two] = self.torques(p, settings, sample);
+        let [one, two] = self.torques(settings, now);
         let v = Torques::from([sample.t_e, one, two, t_v, sample.t_y]);
         self.x_hat =
             discrete.phi * self.x_hat + discrete.gamma * v + discrete.gamma_l * self.innovation;
         match key.model.engaged {
-            Some(i) => self.bound(p, settings, sample, i),
+            Some(i) => self.bound(settings, now, i),
             None => self.x_hat[4] = one + two,
         }
     }
 
     /// Projects T̂_k onto what the engaged clutch `i`, of a friction that was learnt, can carry.
-    fn bound(&mut self, p: &Params, settings: &Settings, sample: &Sample, i: usize) {
+    fn bound(&mut self, settings: &Settings, now: &Instant<'_>, i: usize) {
         if self.friction.known(i) {
-            let w = self.levers(p, sample);
-            let carried = self.torques(p, settings, sample)[i];
+            let w = self.levers(now);
+            let carried = self.torques(settings, now)[i];
             let kinetic = self.friction.mu[i] * w[i].abs();
             let most = Friction::STATIC * kinetic;
             self.x_hat[4] += carried.clamp(-most, most) - carried;
@@ -347,9 +342,9 @@ impl Energy {
     }
 
     /// Innovation in the terms of (12), shape (2).
-    fn innovation_x(&self, p: &Params, sample: &Sample) -> [f64; 2] {
+    fn innovation_x(&self, g: [f64; 2]) -> [f64; 2] {
         let [e, o, w]: [f64; 3] = self.innovation.into();
-        [e - p.g(sample.gear)[1] * o, o - w]
+        [e - g[1] * o, o - w]
     }
 
     /// What is said of a sample that cannot be used.
@@ -362,31 +357,32 @@ impl Energy {
         }
     }
 
-    fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample, t_v: f64) -> Estimate {
-        let model = Behind::new(p, sample, None);
+    fn estimate(&self, settings: &Settings, now: &Instant<'_>, t_v: f64) -> Estimate {
+        let model = Behind::new(now.p, now.sample, None);
         let [e, o, w]: [f64; 3] = self.innovation.into();
         let l = settings.energy.l;
         let unexplained = (model.speeds.j_ed * l[0] * e).abs();
-        let pressed = self.levers(p, sample).map(|w| w != 0.0);
+        let pressed = self.levers(now).map(|w| w != 0.0);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(p, settings, sample, engaged, fault);
+        let common = common_estimate(settings, now, engaged, fault);
         let said = Estimate {
-            t_c: self.torques(p, settings, sample),
+            t_c: self.torques(settings, now),
             t_o: model.t_o(&self.x_hat),
             t_v,
             friction: self.friction.mu,
-            innovation: self.innovation_x(p, sample),
+            innovation: self.innovation_x(now.g),
             t_c_deviation: pressed.map(|pressed| if pressed { unexplained } else { 0.0 }),
             t_o_deviation: (model.speeds.j_out * l[1] * o).abs()
                 + (model.speeds.j_v * l[2] * w).abs(),
             ..common
         };
-        said.with_friction_terms(p, settings, sample)
+        said.with_friction_terms(settings, now)
     }
 }
 
 /// (ω_e, ω_o, ω_w) [rad/s], shape (3).
-fn measured(p: &Params, sample: &Sample) -> Vector3<f64> {
-    let omega_o = output_speed(p.g(sample.gear), sample);
+fn measured(now: &Instant<'_>) -> Vector3<f64> {
+    let sample = now.sample;
+    let omega_o = output_speed(now.g, sample);
     Vector3::new(sample.omega_e, omega_o, sample.omega_w)
 }

@@ -6,8 +6,8 @@
 //! the other is open, low-passed, and kept otherwise. Until a clutch has been seen alone, what both
 //! tell together is better than the nominal value.
 
-use crate::Params;
-use crate::observer::{Sample, Visit, lasting};
+use crate::observer::instant::Instant;
+use crate::observer::{Visit, lasting};
 use nalgebra::ComplexField;
 
 /// Slip above which a clutch certainly slips [rad/s].
@@ -77,15 +77,8 @@ impl Friction {
 
     /// Takes the adapted μ̂ of both clutches, signed like their torque, `h` [s] after the last; an engaged
     /// clutch tells nothing.
-    pub fn learn(
-        &mut self,
-        p: &Params,
-        sample: &Sample,
-        engaged: [bool; 2],
-        mu_hat: [f64; 2],
-        h: f64,
-    ) {
-        let lever = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n);
+    pub fn learn(&mut self, now: &Instant<'_>, engaged: [bool; 2], mu_hat: [f64; 2], h: f64) {
+        let (sample, lever) = (now.sample, now.levers());
         for (i, slip) in sample.slip().into_iter().enumerate() {
             let slips = slip.abs() > SLIP && lever[i] > LEVER && !engaged[i];
             self.slipping[i] = if slips {

@@ -1,7 +1,6 @@
 //! A clutch in the terms of (23), (24): T_c = μ f_n · r_c N θ_m.
 
-use crate::Params;
-use crate::observer::Sample;
+use crate::observer::instant::Instant;
 
 /// Actuator and map of one clutch at an instant, in the terms of (23).
 #[derive(Debug, Clone, Copy)]
@@ -17,9 +16,8 @@ impl Lever {
     ///
     /// Deviation: below the touch point the clutch transmits nothing and ε̂ is frozen; the paper would
     /// see a phantom torque there. A wet clutch takes the position that gives its force.
-    pub fn new(p: &Params, sample: &Sample, i: usize) -> Self {
-        let clutch = &p.clutch[i];
-        let force = clutch.force(sample.actuation[i]);
+    pub fn new(now: &Instant<'_>, i: usize) -> Self {
+        let (clutch, force) = (&now.p.clutch[i], now.force[i]);
         let open = Self { arm: 0.0, f_n: 0.0 };
         if force <= 0.0 {
             return open;

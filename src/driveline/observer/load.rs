@@ -22,6 +22,7 @@
 
 use crate::Params;
 use crate::kept::Kept;
+use crate::observer::instant::Instant;
 use crate::observer::lock::Lock;
 use crate::observer::{Sample, Visit, brake, lasting, visit_switch};
 use nalgebra::ComplexField;
@@ -94,23 +95,16 @@ impl Load {
         visit_switch(&mut self.found, visit);
     }
 
-    /// T_v [N·m] at a sample `h` [s] after the last one.
-    pub fn step(
-        &mut self,
-        p: &Params,
-        method: LoadMethod,
-        sample: &Sample,
-        lock: &Lock,
-        h: f64,
-    ) -> f64 {
+    /// T_v [N·m] at an instant `h` [s] after the last one.
+    pub fn step(&mut self, now: &Instant<'_>, method: LoadMethod, lock: &Lock, h: f64) -> f64 {
+        let Instant { p, sample, g, .. } = *now;
         let brake = brake(p, sample);
         let model = || p.road.load_torque(sample.omega_w, sample.phi) + brake;
         if method == LoadMethod::Grade {
             return model();
         }
-        match lock.alone(p, sample) {
+        match lock.alone(now.force) {
             Some(engaged) => {
-                let g = p.g(sample.gear);
                 let omega_o = output_speed(g, method, sample, engaged);
                 self.follow_gears(p.j_out(g), omega_o);
                 let momentum = match method {
@@ -179,6 +173,7 @@ mod tests {
     use super::{Load, LoadMethod, TAU};
     use crate::Params;
     use crate::observer::Sample;
+    use crate::observer::instant::Instant;
     use crate::observer::lock::Lock;
     use crate::params::Actuation;
 
@@ -206,10 +201,12 @@ mod tests {
         };
         let mut lock = Lock::default();
         lock.start(&p, &sample(0.0));
-        let before = load.step(&p, method, &sample(0.0), &lock, 0.0);
+        let before = load.step(&Instant::new(&p, &sample(0.0)), method, &lock, 0.0);
         let steps = (1..).map(|k| f64::from(k) * h);
         let told = steps.take_while(|at| *at < time + 0.5 * h);
-        let last = told.fold(0.0, |_, at| load.step(&p, method, &sample(at), &lock, h));
+        let last = told.fold(0.0, |_, at| {
+            load.step(&Instant::new(&p, &sample(at)), method, &lock, h)
+        });
         [last, before]
     }
 

@@ -20,6 +20,7 @@
 
 use crate::Params;
 use crate::observer::friction::Friction;
+use crate::observer::instant::Instant;
 use crate::observer::{Sample, Visit, lasting, visit_switch};
 use nalgebra::ComplexField;
 
@@ -70,12 +71,12 @@ impl Default for Lock {
 impl Lock {
     /// At the start of a run a clutch that is pressed without slip has been so before.
     pub fn start(&mut self, p: &Params, sample: &Sample) {
-        self.step(p, sample, [0.0; 2], TIME);
+        self.step(&Instant::new(p, sample), [0.0; 2], TIME);
     }
 
-    /// Takes a sample `h` [s] after the last one; `t_c`: estimated torques of the clutches [N·m], shape (2).
-    pub fn step(&mut self, p: &Params, sample: &Sample, t_c: [f64; 2], h: f64) {
-        let g = p.g(sample.gear);
+    /// Takes an instant `h` [s] after the last one; `t_c`: estimated torques of the clutches [N·m], shape (2).
+    pub fn step(&mut self, now: &Instant<'_>, t_c: [f64; 2], h: f64) {
+        let Instant { p, sample, g, .. } = *now;
         if sample.t_y != 0.0 {
             self.swing = [0, 1].map(|i| self.swing[i].max(kick(p, g, sample.t_y, i)));
         }
@@ -85,7 +86,7 @@ impl Lock {
                 (self.direction[i], self.freed[i]) = (slip.signum(), false);
             }
             let meets = self.meets(i, slip, h);
-            let pressed = p.clutch[i].force(sample.actuation[i]) > 0.0;
+            let pressed = now.force[i] > 0.0;
             if pressed && !slips[i] && g[i] != 0.0 && (meets || !self.freed[i]) {
                 self.since[i] = (self.since[i] + h).min(TIME);
                 self.swing[i] *= ComplexField::exp(-h * p.c_d / (2.0 * p.j_e));
@@ -161,8 +162,7 @@ impl Lock {
     }
 
     /// The clutch that holds; of two, the one pressed harder.
-    pub fn harder(&self, p: &Params, sample: &Sample) -> Option<usize> {
-        let force = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]));
+    pub fn harder(&self, force: [f64; 2]) -> Option<usize> {
         match [0, 1].map(|i| self.holds(i)) {
             [true, true] => Some(usize::from(force[1] > force[0])),
             [true, false] => Some(0),
@@ -177,8 +177,8 @@ impl Lock {
     }
 
     /// The one clutch that is engaged while the other is open: (20) holds.
-    pub fn alone(&self, p: &Params, sample: &Sample) -> Option<usize> {
-        let open = [0, 1].map(|i| p.clutch[i].force(sample.actuation[i]) <= 0.0);
+    pub fn alone(&self, force: [f64; 2]) -> Option<usize> {
+        let open = force.map(|force| force <= 0.0);
         match (self.engaged(), open) {
             ([true, _], [_, true]) => Some(0),
             ([_, true], [true, _]) => Some(1),
@@ -208,6 +208,7 @@ mod tests {
     use super::Lock;
     use crate::Params;
     use crate::observer::Sample;
+    use crate::observer::instant::Instant;
     use crate::params::Actuation;
 
     const H: f64 = 1e-3;
@@ -216,7 +217,7 @@ mod tests {
     fn stays_engaged(t_c: f64, swing: f64) -> bool {
         let (p, mut lock) = (Params::TABLE_1, Lock::default());
         let mut step = |slip: f64| {
-            lock.step(&p, &sample(slip), [t_c, 0.0], H);
+            lock.step(&Instant::new(&p, &sample(slip)), [t_c, 0.0], H);
             lock.engaged()[0]
         };
         for k in 0..80 {
@@ -254,7 +255,7 @@ mod tests {
         lock.start(&p, &sample(0.0));
         assert!(lock.engaged()[0]);
         for slip in [2.5, 3.1, 2.9, 3.3, 4.0] {
-            lock.step(&p, &sample(slip), [100.0, 0.0], H);
+            lock.step(&Instant::new(&p, &sample(slip)), [100.0, 0.0], H);
         }
         assert!(!lock.holds(0) && lock.slips(&sample(4.0))[0]);
     }
@@ -265,11 +266,11 @@ mod tests {
         lock.start(&p, &sample(0.0));
         lock.bear(&p, 0, 20.0, 15.0, false);
         for _ in 0..100 {
-            lock.step(&p, &sample(0.5), [20.0, 0.0], H);
+            lock.step(&Instant::new(&p, &sample(0.5)), [20.0, 0.0], H);
             assert!(!lock.holds(0));
         }
         for _ in 0..100 {
-            lock.step(&p, &sample(-0.1), [20.0, 0.0], H);
+            lock.step(&Instant::new(&p, &sample(-0.1)), [20.0, 0.0], H);
         }
         assert!(lock.holds(0));
     }
@@ -282,7 +283,7 @@ mod tests {
             let mut lock = Lock::default();
             lock.start(&p, &sample(0.0));
             for _ in 0..100 {
-                lock.step(&p, &sample(slip), [10.0, 0.0], H);
+                lock.step(&Instant::new(&p, &sample(slip)), [10.0, 0.0], H);
             }
             lock.bear(&p, 0, 10.0, 15.0, handover);
             assert_eq!(lock.holds(0), holds, "{slip} rad/s, {handover}");
@@ -303,7 +304,7 @@ mod tests {
             lock.bear(&p, 0, -78.0, KINETIC, true);
             assert!(lock.freed[0] && lock.direction[0] < 0.0);
             for _ in 0..100 {
-                lock.step(&p, &sample(0.15), [torque, 0.0], H);
+                lock.step(&Instant::new(&p, &sample(0.15)), [torque, 0.0], H);
                 if lock.freed[0] {
                     lock.bear(&p, 0, torque, KINETIC, true);
                 }
@@ -317,10 +318,10 @@ mod tests {
     fn a_slip_that_has_met_0_may_swing_from_the_first_sample_on() {
         let (p, mut lock) = (Params::TABLE_1, Lock::default());
         for slip in [12.0, 6.0, 1.0, -4.7] {
-            lock.step(&p, &sample(slip), [190.0, 0.0], 1e-2);
+            lock.step(&Instant::new(&p, &sample(slip)), [190.0, 0.0], 1e-2);
         }
         assert!(lock.holds(0) && lock.direction[0] > 0.0);
-        lock.step(&p, &sample(-20.0), [190.0, 0.0], 1e-2);
+        lock.step(&Instant::new(&p, &sample(-20.0)), [190.0, 0.0], 1e-2);
         assert!(!lock.holds(0) && lock.direction[0] < 0.0);
     }
 

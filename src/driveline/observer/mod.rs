@@ -26,6 +26,7 @@ mod filter;
 pub mod friction;
 pub mod friction_map;
 pub mod grip;
+pub mod instant;
 pub mod kalman;
 pub mod lever;
 pub mod load;
@@ -59,6 +60,7 @@ pub use select::{Method, Selected};
 
 use crate::Params;
 use crate::params::Actuation;
+use instant::Instant;
 use lever::Lever;
 
 /// What a production car measures, at one instant.
@@ -195,9 +197,9 @@ pub struct Estimate {
 
 impl Estimate {
     /// With μ̂·f and ε̂ of (23), (24) that belong to the torques; 0 below the touch point.
-    fn with_friction_terms(mut self, p: &Params, settings: &Settings, sample: &Sample) -> Self {
+    fn with_friction_terms(mut self, settings: &Settings, now: &Instant<'_>) -> Self {
         for i in [0, 1] {
-            let Lever { arm, f_n } = Lever::new(p, sample, i);
+            let Lever { arm, f_n } = Lever::new(now, i);
             if arm > 0.0 {
                 self.mu_f[i] = self.t_c[i] / arm;
                 self.epsilon[i] = self.mu_f[i] - settings.mu_n[i] * f_n;
@@ -253,20 +255,18 @@ pub trait Observer {
 
 /// What every method says alike: map-based torques, phase, excitation, and whether it can be used.
 fn common_estimate(
-    p: &Params,
     settings: &Settings,
-    sample: &Sample,
+    now: &Instant<'_>,
     engaged: [bool; 2],
     fault: Option<Fault>,
 ) -> Estimate {
-    let force = forces(p, sample);
-    let pressed = force.map(|force| force > 0.0);
-    let (t_c_map, t_o_map) = torques_of(p, settings.mu_n, sample, force);
+    let pressed = now.pressed();
+    let (t_c_map, t_o_map) = torques_of(settings.mu_n, now);
     Estimate {
         t_c_map,
         t_o_map,
         engaged,
-        excitation: phase::shown(p, sample, pressed),
+        excitation: phase::shown(now, pressed),
         phase: Phase::from_clutches(pressed, engaged),
         valid: fault.is_none(),
         fault,
@@ -278,12 +278,12 @@ fn common_estimate(
 ///
 /// The conventional estimate that Figs. 10 and 12 compare with; it knows no sign of the slip.
 pub fn map_based(p: &Params, mu_n: [f64; 2], sample: &Sample) -> ([f64; 2], f64) {
-    torques_of(p, mu_n, sample, forces(p, sample))
+    torques_of(mu_n, &Instant::new(p, sample))
 }
 
-fn torques_of(p: &Params, mu_n: [f64; 2], sample: &Sample, force: [f64; 2]) -> ([f64; 2], f64) {
+fn torques_of(mu_n: [f64; 2], now: &Instant<'_>) -> ([f64; 2], f64) {
+    let Instant { p, g, force, .. } = *now;
     let t_c = [0, 1].map(|i| mu_n[i] * force[i] * p.clutch[i].r_c_n);
-    let g = p.g(sample.gear);
     (t_c, g[0] * t_c[0] + g[1] * t_c[1])
 }
 

@@ -6,6 +6,7 @@
 //! with its torque, and with an engaged clutch.
 
 use crate::Params;
+use crate::observer::instant::Instant;
 use crate::observer::{Sample, Visit, lasting};
 use core::fmt;
 
@@ -89,24 +90,18 @@ impl Monitor {
         *self = Self {
             last: speeds(sample),
             then: [signals(sample); SPEEDS],
-            scale: scale(p, sample),
+            scale: scale(p.g(sample.gear)),
             ..*self
         };
         self.still = [0.0; SPEEDS];
     }
 
-    /// Takes a sample `h` [s] after the last one.
+    /// Takes an instant `h` [s] after the last one.
     ///
     /// `engaged`: engaged clutches, shape (2). `innovation`: of x1 and x2 [rad/s], shape (2).
-    pub fn step(
-        &mut self,
-        p: &Params,
-        sample: &Sample,
-        engaged: [bool; 2],
-        innovation: [f64; 2],
-        h: f64,
-    ) {
-        if self.scale != scale(p, sample) {
+    pub fn step(&mut self, now: &Instant<'_>, engaged: [bool; 2], innovation: [f64; 2], h: f64) {
+        let Instant { p, sample, g, .. } = *now;
+        if self.scale != scale(g) {
             self.start(p, sample);
         }
         for (j, now) in speeds(sample).into_iter().enumerate() {
@@ -203,10 +198,8 @@ fn signals(sample: &Sample) -> [f64; SPEEDS + 1] {
 }
 
 /// Output side per unit of ω_c1, ω_c2, ω_w [1], shape (3); 0 in neutral.
-fn scale(p: &Params, sample: &Sample) -> [f64; 3] {
-    let [one, two] = p
-        .g(sample.gear)
-        .map(|g| if g == 0.0 { 0.0 } else { 1.0 / g });
+fn scale(g: [f64; 2]) -> [f64; 3] {
+    let [one, two] = g.map(|g| if g == 0.0 { 0.0 } else { 1.0 / g });
     [one, two, 1.0]
 }
 
@@ -215,6 +208,7 @@ mod tests {
     use super::{Fault, Monitor};
     use crate::Params;
     use crate::observer::Sample;
+    use crate::observer::instant::Instant;
 
     const P: Params = Params::TABLE_1;
     const H: f64 = 1e-3;
@@ -237,7 +231,7 @@ mod tests {
             if k == 0 {
                 monitor.start(&P, &sample);
             }
-            monitor.step(&P, &sample, [true, false], [0.0; 2], H);
+            monitor.step(&Instant::new(&P, &sample), [true, false], [0.0; 2], H);
         }
         monitor.fault()
     }

@@ -2,6 +2,7 @@
 
 use crate::Params;
 use crate::observer::Sample;
+use crate::observer::instant::Instant;
 use crate::observer::lock::SLIP;
 use nalgebra::ComplexField;
 
@@ -42,8 +43,8 @@ pub fn pressed(p: &Params, sample: &Sample) -> [bool; 2] {
 }
 
 /// The clutch that is above its touch point while the other is not.
-pub fn alone(p: &Params, sample: &Sample) -> Option<usize> {
-    match pressed(p, sample) {
+pub fn alone(now: &Instant<'_>) -> Option<usize> {
+    match now.pressed() {
         [true, false] => Some(0),
         [false, true] => Some(1),
         _ => None,
@@ -56,15 +57,16 @@ pub fn alone(p: &Params, sample: &Sample) -> Option<usize> {
 /// clutch slipping alone is seen fully: 1. Two are told apart by the sine of the angle between d_1 and
 /// d_2. No clutch that slips shows no friction: 0.
 pub fn excitation(p: &Params, sample: &Sample) -> f64 {
-    shown(p, sample, pressed(p, sample))
+    let now = Instant::new(p, sample);
+    shown(&now, now.pressed())
 }
 
 /// As [`excitation`], given which clutches are above their touch point.
-pub(super) fn shown(p: &Params, sample: &Sample, pressed: [bool; 2]) -> f64 {
-    let slips = [0, 1].map(|i| pressed[i] && sample.slip()[i].abs() > SLIP);
+pub(super) fn shown(now: &Instant<'_>, pressed: [bool; 2]) -> f64 {
+    let slips = [0, 1].map(|i| pressed[i] && now.sample.slip()[i].abs() > SLIP);
     match (slips, pressed) {
         ([false, false], _) => 0.0,
-        (_, [true, true]) => angle(p, p.g(sample.gear)),
+        (_, [true, true]) => angle(now.p, now.g),
         _ => 1.0,
     }
 }

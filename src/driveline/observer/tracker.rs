@@ -8,6 +8,7 @@
 use crate::Params;
 use crate::observer::filter::{Belief, Terms, along};
 use crate::observer::friction::Friction;
+use crate::observer::instant::Instant;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
@@ -107,7 +108,7 @@ impl<const N: usize> Tracker<N> {
         if self.g != p.g(sample.gear) {
             self.take_speeds(p, sample, wheel);
         }
-        self.lock.step(p, sample, self.t_c, h);
+        self.lock.step(&Instant::new(p, sample), self.t_c, h);
         self.engage(p, sample);
     }
 
@@ -172,31 +173,30 @@ impl<const N: usize> Tracker<N> {
         model: &Speeds,
         h: f64,
     ) {
-        let (engaged, e) = (self.lock.engaged(), self.innovation_x(p, sample));
+        let now = Instant::new(p, sample);
+        let (engaged, e) = (self.lock.engaged(), self.innovation_x(now.g));
         let x = &self.belief.x;
         let states = x.fixed_rows::<4>(0).into_owned();
         self.t_c = model.clutch_torques(&states, [x[T_C], x[T_C + 1]], sample.t_y);
         self.release(p, sample);
         if settings.adapts {
-            let mu_hat = self.mu_hat(p, sample);
-            self.friction.learn(p, sample, engaged, mu_hat, h);
+            let mu_hat = self.mu_hat(&now);
+            self.friction.learn(&now, engaged, mu_hat, h);
         }
-        self.monitor.step(p, sample, engaged, e, h);
+        self.monitor.step(&now, engaged, e, h);
         self.monitor.doubt(self.surprise, h);
     }
 
     /// μ̂ with the sign of the torque [1], shape (2).
-    fn mu_hat(&self, p: &Params, sample: &Sample) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
-            self.t_c[i] / lever.max(LEVER)
-        })
+    fn mu_hat(&self, now: &Instant<'_>) -> [f64; 2] {
+        let lever = now.levers();
+        [0, 1].map(|i| self.t_c[i] / lever[i].max(LEVER))
     }
 
     /// Innovation in the terms of (12), shape (2).
-    fn innovation_x(&self, p: &Params, sample: &Sample) -> [f64; 2] {
+    fn innovation_x(&self, g: [f64; 2]) -> [f64; 2] {
         let [e, o, w] = self.innovation;
-        [e - p.g(sample.gear)[1] * o, o - w]
+        [e - g[1] * o, o - w]
     }
 
     /// What is said of a sample that cannot be used.
@@ -220,7 +220,8 @@ impl<const N: usize> Tracker<N> {
         let (x, c) = (&self.belief.x, model.c);
         let t_o = [(T_S, 1.0), (W_O, c), (W_W, -c)];
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(p, settings, sample, engaged, fault);
+        let now = Instant::new(p, sample);
+        let common = common_estimate(settings, &now, engaged, fault);
         let said = Estimate {
             t_c: self.t_c,
             t_o: along(&t_o, x),
@@ -232,11 +233,11 @@ impl<const N: usize> Tracker<N> {
             }),
             t_o_deviation: self.belief.deviation(&t_o),
             friction: self.friction.mu,
-            innovation: self.innovation_x(p, sample),
+            innovation: self.innovation_x(now.g),
             consistency: self.surprise,
             ..common
         };
-        said.with_friction_terms(p, settings, sample)
+        said.with_friction_terms(settings, &now)
     }
 
     /// Visits every number of the state.
