@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dct_harness import results
+from dct_harness.errors import instant
 from dct_harness.master import master
 from harness_fixture.lag_fmu import environment, run, run_command, write_system
 
@@ -26,6 +27,14 @@ engines = pytest.mark.parametrize("engine", [(), NATIVE, (*NATIVE, "--isolate", 
 def exact(time: np.ndarray) -> np.ndarray:
     """Return the answer of the lag to u = 2, shape of `time` [s]."""
     return 2 * (1 - np.exp(-time))
+
+
+@pytest.mark.parametrize(("t", "said"), [  # as src/master/error.rs has them
+    (0.0, "0"), (-1e-12, "0"), (0.491, "0.491"), (9.411999999999999, "9.412"), (30.0, "30"),
+    (1.5e-5, "0.000015"), (12345678.25, "12345678.25"), (1e16, "10000000000000000"),
+])  # fmt: skip
+def test_times_show_no_rounding_of_their_sums(t: float, said: str) -> None:
+    assert instant(t) == said
 
 
 @pytest.mark.parametrize(("option", "said"), [
@@ -66,7 +75,7 @@ def test_slow_run_ends_at_its_time_limit_with_code_5(
     assert "not finished after 1 s (--timeout)" in done.stderr
     kept = results.load(tmp_path / "out")
     assert 1 < len(kept.time) < 200
-    assert f"stopped at t = {float(kept.time[-1])!r} s: not finished" in done.stderr
+    assert f"stopped at t = {instant(kept.time[-1])} s: not finished" in done.stderr
     assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
 
 

@@ -10,6 +10,7 @@ import cosim_native
 import numpy as np
 import pytest
 from dct_harness import results
+from dct_harness.errors import instant
 from harness_fixture.lag_fmu import HARNESS, run, write_system
 
 NATIVE = ("--engine", "native")
@@ -151,7 +152,7 @@ def test_a_watch_ends_runs_or_raises(lag_dir: Path) -> None:
         return steps > 100
 
     ((_, rows, error, _),) = cosim_native.run([slow], TIMES, SCRIPT, watch=watch)
-    assert error == ("ended", f"stopped at t = {float(TIMES[len(rows) - 1])} s")
+    assert error == ("ended", f"stopped at t = {instant(TIMES[len(rows) - 1])} s")
     assert 100 < seen[-1] < len(rows) < 1001
     assert seen == sorted(seen)
     with pytest.raises(ZeroDivisionError):

@@ -28,6 +28,7 @@ pub use error::{Error, Status};
 pub use guid::guid;
 pub use instance::{Instance, TIME_TOLERANCE, provides_directional_derivatives};
 pub use model::{Category, Experiment, Failure, Log, Model, StateFields};
+pub use number::Seconds;
 pub use saved::Saved;
 pub use state::{Call, State};
 pub use unit::{DisplayUnit, Unit};

@@ -1,7 +1,7 @@
 //! What a model author writes: a struct, its table of rows, how it starts and how it steps.
 
 use crate::Variable;
-use crate::number::Number;
+use crate::number::{Number, Seconds};
 use core::fmt;
 
 /// A model that the shell turns into an FMI 2.0 co-simulation FMU.
@@ -189,7 +189,7 @@ impl fmt::Display for Failure {
                 remedy,
             } => write!(f, "{variable} = {} {remedy}", Number(*value)),
             Self::Diverged { variable, time } => {
-                let time = Number(*time);
+                let time = Seconds(*time);
                 write!(f, "{variable} is no longer finite at t = {time} s")
             }
             Self::StepTooLong { step, longest } => {

@@ -39,9 +39,43 @@ fn with_power(size: f64) -> (f64, i32) {
     (((digits * LAST + WHOLE) - WHOLE) / LAST, power)
 }
 
+/// A time [s] as sentences tell it: rounded to 1 ns, so that sums of steps show no rounding, as
+/// 9.411999999999999 does.
+#[derive(Debug, Clone, Copy)]
+pub struct Seconds(pub f64);
+
+/// Of a second [1/s].
+const NANOSECONDS: f64 = 1e9;
+/// Up to here [s] numbers have room for nanoseconds.
+const FINE: f64 = 1e6;
+
+impl fmt::Display for Seconds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded = (self.0 * NANOSECONDS).round() / NANOSECONDS + 0.0; // no -0
+        Number(if self.0.abs() < FINE { rounded } else { self.0 }).fmt(f)
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Number;
+    use super::{Number, Seconds};
+
+    #[test]
+    fn a_time_shows_no_rounding_of_its_sum() {
+        let cases = [
+            (0.0, "0"),
+            (-1e-12, "0"),
+            (9.411_999_999_999_999, "9.412"),
+            (0.1 + 0.2, "0.3"),
+            (1.234_567_890_4, "1.23456789"),
+            (2e-9, "2e-9"),
+            (12_345_678.25, "12345678.25"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (time, text) in cases {
+            assert_eq!(Seconds(time).to_string(), text);
+        }
+    }
 
     #[test]
     fn no_number_is_a_row_of_zeros() {

@@ -84,7 +84,7 @@ mod wiring;
 mod world;
 
 pub use cosim_raw::Message;
-pub use error::Error;
+pub use error::{Error, Seconds};
 pub use library::{Libraries, Library};
 pub use live::Live;
 pub use mapping::Mapping;

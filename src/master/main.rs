@@ -5,8 +5,8 @@ mod ending;
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
 use cosim_master::{
-    Error, Job, Libraries, Live, Mapping, Message, Outcome, Plan, Scenario, System, Told, csv,
-    run_seen,
+    Error, Job, Libraries, Live, Mapping, Message, Outcome, Plan, Scenario, Seconds, System, Told,
+    csv, run_seen,
 };
 use ending::Ending;
 use std::fmt::Write as _;
@@ -228,7 +228,7 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
         None => Ok(format!(
             "{}: {rows} samples to t = {} s",
             words.out.display(),
-            system.stop
+            Seconds(system.stop)
         )),
     }
 }
@@ -277,6 +277,7 @@ fn tell(log: &Told) {
             text,
             ..
         } = message;
+        let time = Seconds(*time);
         eprintln!("{time} s {name} [{category}] {text}");
     }
 }

@@ -11,7 +11,7 @@ use dct_driveline::Params;
 use dct_driveline::observer::{
     Estimate, Fault, LoadMethod, Method, Observer as _, Phase, Sample, Selected, Settings,
 };
-use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
+use fmi2_cosim::{Experiment, Failure, Log, Model, Seconds, StateFields, Variable};
 
 /// The observer: the vehicle it believes in, settings, inputs, state, estimate.
 #[derive(Clone)]
@@ -71,7 +71,8 @@ impl Observer {
     fn tell(&self, valid: bool, engaged: [bool; 2], time: f64, log: &mut Log<'_>) {
         if let Some(fault) = self.y.fault.filter(|_| valid) {
             log.warning(format_args!(
-                "t = {time} s: status.valid = false: {fault}; {}",
+                "t = {} s: status.valid = false: {fault}; {}",
+                Seconds(time),
                 remedy(fault)
             ));
         }
@@ -81,13 +82,18 @@ impl Observer {
             } else {
                 "not engaged"
             };
-            log.event(format_args!("t = {time} s: clutch {} is {now}", i + 1));
+            log.event(format_args!(
+                "t = {} s: clutch {} is {now}",
+                Seconds(time),
+                i + 1
+            ));
         }
     }
 }
 
 /// Logs encoders that were recognised, or no longer are, since `before`; ticks of ω_e, ω_c1, ω_c2, ω_w [1], shape (4).
 fn tell_ticks(before: [f64; 4], now: [f64; 4], time: f64, log: &mut Log<'_>) {
+    let time = Seconds(time);
     let changed = |sensor: &usize| before[*sensor] != now[*sensor];
     for sensor in (0..4).filter(changed) {
         let (name, ticks) = (

@@ -25,7 +25,7 @@ use dct_driveline::matrices::{C, D, E, O, State, W};
 use dct_driveline::plant::mesh::Meshes;
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
-use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
+use fmi2_cosim::{Experiment, Failure, Log, Model, Seconds, StateFields, Variable};
 use inputs::{Inputs, Pressed};
 use propagation::{OneStep, Propagation};
 use shared::Shared;
@@ -115,8 +115,8 @@ impl Plant {
             let dropped = granted[i] != self.state.gear[i];
             if dropped || self.refused[i] != self.gear[i] {
                 log.warning(format_args!(
-                    "t = {time} s: shaft{}.gear = {} is ignored while clutch {} transmits; gear {} stays",
-                    i + 1, self.gear[i], i + 1, granted[i]
+                    "t = {} s: shaft{}.gear = {} is ignored while clutch {} transmits; gear {} stays",
+                    Seconds(time), i + 1, self.gear[i], i + 1, granted[i]
                 ));
             }
         }
@@ -124,7 +124,8 @@ impl Plant {
         if granted != self.state.gear {
             self.tell_neutral(granted, time, log);
             log.event(format_args!(
-                "t = {time} s: gears {:?} become {granted:?}",
+                "t = {} s: gears {:?} become {granted:?}",
+                Seconds(time),
                 self.state.gear
             ));
         }
@@ -135,8 +136,8 @@ impl Plant {
         let g = self.p.g(gear);
         for i in (0..2).filter(|i| gear[*i] != 0 && g[*i] == 0.0) {
             log.warning(format_args!(
-                "t = {time} s: shaft{0}.gear = {1} has no ratio on shaft {0}: neutral; give it one, or choose a gear that is fitted",
-                i + 1, gear[i]
+                "t = {2} s: shaft{0}.gear = {1} has no ratio on shaft {0}: neutral; give it one, or choose a gear that is fitted",
+                i + 1, gear[i], Seconds(time)
             ));
         }
     }
@@ -200,7 +201,7 @@ impl Plant {
         };
         let mut tell = |after, from: [Mode; 6], to: [Mode; 6]| {
             for i in (0..PARTS.len()).filter(|i| from[*i] != to[*i]) {
-                let (at, part) = (time + after, PARTS[i]);
+                let (at, part) = (Seconds(time + after), PARTS[i]);
                 log.event(format_args!(
                     "t = {at} s: {part} {:?} -> {:?}",
                     from[i], to[i]

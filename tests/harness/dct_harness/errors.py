@@ -6,6 +6,8 @@ import difflib
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+
 
 class HarnessError(Exception):
     """Base of all errors that the command line reports as one sentence."""
@@ -52,6 +54,12 @@ class InterruptedRunError(HarnessError):
     """Someone pressed Ctrl-C (exit code 130, as a shell reports the signal)."""
 
     exit_code = 130
+
+
+def instant(t: float) -> str:
+    """Return a time [s] for sentences: shortest form, rounded to 1 ns, ``9.412``."""
+    rounded = round(float(t), 9) + 0.0  # no -0
+    return np.format_float_positional(rounded, trim="-")
 
 
 def unreadable(path: Path, what: str, error: OSError) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..errors import instant
+
 SHORTEST = 1 / 4096  # of the communication step
 ROUNDING = 1e-9  # of the communication step
 
@@ -37,7 +39,7 @@ def _divide(fmu: Any, t: float, h: float) -> None:
             at, part = _after(fmu, at, end, part)
             fmu.advance_inputs(at - before)
             if part < SHORTEST * h:
-                fmu.give_up(f"it does not get past t = {at!r} s, whatever the step")
+                fmu.give_up(f"it does not get past t = {instant(at)} s, whatever the step")
         part = min(part, end - at)
         discarded = fmu.attempt(at, part)
         if not discarded:
@@ -51,5 +53,5 @@ def _after(fmu: Any, at: float, end: float, part: float) -> tuple[float, float]:
     if reached is None:
         fmu.give_up("it does not tell how far it got (fmi2GetRealStatus); choose a smaller step")
     if not at <= reached <= at + part:
-        fmu.give_up(f"it says that it is at t = {reached!r} s, outside the step")
+        fmu.give_up(f"it says that it is at t = {instant(reached)} s, outside the step")
     return (reached, end - reached) if reached > at else (at, part / 2)

@@ -18,7 +18,7 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from ..errors import FmuInvalidError, FmuRuntimeError, PlatformError
+from ..errors import FmuInvalidError, FmuRuntimeError, PlatformError, instant
 from . import values as single
 from .archive import described, unpack
 from .discard import finish
@@ -295,7 +295,7 @@ class Fmu(Ports):
     def note_discard(self, t: float) -> None:
         """Tell in the log, once, that steps had to be divided."""
         if not self._discards:
-            what = f"fmi2DoStep at t = {t!r} s returned fmi2Discard; this step was divided"
+            what = f"fmi2DoStep at t = {instant(t)} s returned fmi2Discard; this step was divided"
             self.log.append({"component": self.name, "time": t, "status": "Warning",
                              "category": "harness", "message": what})  # fmt: skip
         self._discards = True
@@ -307,7 +307,7 @@ class Fmu(Ports):
 
     def _error(self, function: str, what: str) -> FmuRuntimeError:
         said = "".join(f"\n  {m['category']}: {m['message']}" for m in self.log[-LAST_MESSAGES:])
-        return FmuRuntimeError(f"{self.name}: {function} at t = {self.now!r} s {what}{said}")
+        return FmuRuntimeError(f"{self.name}: {function} at t = {instant(self.now)} s {what}{said}")
 
     def _callbacks(self) -> Any:
         def logger(_env: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:

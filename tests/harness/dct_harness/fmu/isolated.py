@@ -15,7 +15,7 @@ from typing import Any
 import fmpy
 import numpy as np
 
-from ..errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError
+from ..errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError, instant
 from .archive import described
 from .fmu import DISCARD, STATUS, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
@@ -112,7 +112,7 @@ class Isolated(Fmu):
 
     def doing(self, function: str) -> str:
         """Return a call and its time, for errors."""
-        return f"{function} at t = {self.now!r} s"
+        return f"{function} at t = {instant(self.now)} s"
 
     def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Attach the float buffers, as `Fmu.bind`; numbers pass through a mapped file."""

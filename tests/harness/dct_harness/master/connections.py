@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..contract import plant as plant_contract
-from ..errors import ConfigError, did_you_mean
+from ..errors import ConfigError, did_you_mean, instant
 from ..fmu.fmu import Fmu
 from ..fmu.values import group_of
 from ..supplier.mapped import Mapped
@@ -169,5 +169,6 @@ def _check_column(script: Scenario, name: str, target: str, kind: str) -> None:
         row = int(np.argmin(fits))
         value, t = float(values[row]), float(script.time[row])
         raise ConfigError(
-            f"{script.path}: column '{name}' is {value!r} at t = {t!r} s, but '{target}' is {kind}"
+            f"{script.path}: column '{name}' is {value!r} at t = {instant(t)} s, "
+            f"but '{target}' is {kind}"
         )

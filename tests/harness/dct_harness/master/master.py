@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..errors import ConfigError, FmuRuntimeError, HarnessError
+from ..errors import ConfigError, FmuRuntimeError, HarnessError, instant
 from ..fmu.fmu import Fmu
 from ..fmu.isolated import Limits, load
 from ..supplier.mapped import Mapped, apply_shared
@@ -226,7 +226,7 @@ class Run:
 
     @staticmethod
     def _stopped(cause: HarnessError, t: float) -> HarnessError:
-        return type(cause)(f"stopped at t = {t!r} s: {cause}")
+        return type(cause)(f"stopped at t = {instant(t)} s: {cause}")
 
     def remove_directories(self) -> None:
         """Remove the unpacked FMUs, for a process that ends without `execute` returning."""
@@ -243,7 +243,7 @@ class Run:
         if not math.isfinite(self._zeros.dot(row)):  # 0 · NaN and 0 · inf are NaN
             bad = int(np.argmin(np.isfinite(row)))
             name, value = self.names[bad], float(row[bad])
-            raise FmuRuntimeError(f"{name} is {value} at t = {float(self.times[k])!r} s")
+            raise FmuRuntimeError(f"{name} is {value} at t = {instant(self.times[k])} s")
         self.rows = self._samples[: k + 1]
 
     def table(self) -> tuple[list[str], np.ndarray]:
@@ -297,7 +297,7 @@ class Run:
                 component, _, variable = name.partition(".")
                 t, value = float(self.times[bad[0]]), float(column[bad[0]])
                 text = (f"{variable} = {value!r} is out of its range [{low:g}, {high:g}], "
-                        f"{bad.size} times from t = {t!r} s on")  # fmt: skip
+                        f"{bad.size} times from t = {instant(t)} s on")  # fmt: skip
                 found.append({"component": component, "time": t, "status": "Warning",
                               "category": "range", "message": text})  # fmt: skip
         return found

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import formats, results
-from ..errors import ConfigError
+from ..errors import ConfigError, instant
 from ..formats import mf4_file
 
 HEADER = re.compile(r"^(?P<name>.*\S)\s+[\[(](?P<unit>[^\])]*)[\])]$")
@@ -55,8 +55,8 @@ def _check_time(path: Path, channel: Channel) -> None:
     if backward.size:
         k = int(backward[0])
         raise ConfigError(
-            f"{path}: time of '{channel.name}' goes from {channel.time[k]!r} to "
-            f"{channel.time[k + 1]!r} s; it must increase"
+            f"{path}: time of '{channel.name}' goes from {instant(channel.time[k])} to "
+            f"{instant(channel.time[k + 1])} s; it must increase"
         )
 
 

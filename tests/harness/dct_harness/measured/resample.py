@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import ConfigError
+from ..errors import ConfigError, instant
 from ..formats import Table
 from .channels import Channel
 
@@ -41,7 +41,9 @@ def common(
     )
     if first > last:
         raise ConfigError(
-            f"no sample between {start} s and {stop} s: there are {low} s to {high} s"
+            f"no sample between {instant(low if start is None else start)} s and "
+            f"{instant(high if stop is None else stop)} s: "
+            f"there are {instant(low)} s to {instant(high)} s"
         )
     if step is None:
         axis = _shared(channels)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..contract import plant as plant_contract
-from ..errors import ConfigError, FmuRuntimeError, did_you_mean
+from ..errors import ConfigError, FmuRuntimeError, did_you_mean, instant
 from ..fmu.fmu import Fmu
 from ..fmu.values import group_of
 from ..units import Unit
@@ -227,7 +227,7 @@ class Mapped:
             translation(source, target)
         except LookupError as error:
             raise FmuRuntimeError(
-                f"{self._fmu.name}: {error.args[0]} at t = {self._fmu.now!r} s; "
+                f"{self._fmu.name}: {error.args[0]} at t = {instant(self._fmu.now)} s; "
                 f"add it to {self._mapping.path}"
             ) from error
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .. import results
 from ..compare import Outcome, Tolerance, Tolerances, compare, tolerances
+from ..errors import instant
 from ..kpi.table import aligned
 from . import junit
 from .arguments import Verbs, add_loudness, amount, verb
@@ -79,7 +80,7 @@ def sentence(outcome: Outcome) -> str:
     """Return what is wrong with a signal."""
     text = f"{outcome.name} {outcome.reason}"
     if outcome.time is not None:
-        text += (f" (worst at t = {outcome.time:g} s: {outcome.value:.6g} for "
+        text += (f" (worst at t = {instant(outcome.time)} s: {outcome.value:.6g} for "
                  f"{outcome.reference:.6g} {outcome.unit})")  # fmt: skip
     return text
 

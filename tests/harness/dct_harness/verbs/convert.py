@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from .. import formats, measured
-from ..errors import ConfigError
+from ..errors import ConfigError, instant
 from .arguments import Verbs, add_loudness, say, seconds, verb
 
 EXAMPLES = """convert target/results/paper_case1 case1.mf4
@@ -58,6 +58,6 @@ def convert(args: argparse.Namespace) -> int:
     args.target.parent.mkdir(parents=True, exist_ok=True)
     formats.write(args.target, table)
     count, samples, end = len(table.names) - 1, len(table.rows), float(table.rows[-1, 0])
-    say(args, f"{args.target}: {count} signals, {samples} samples to t = {end:g} s",
+    say(args, f"{args.target}: {count} signals, {samples} samples to t = {instant(end)} s",
         {"file": str(args.target), "signals": count, "samples": samples, "end": end})  # fmt: skip
     return 0

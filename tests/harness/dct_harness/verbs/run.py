@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import formats, kpi, results
-from ..errors import HarnessError
+from ..errors import HarnessError, instant
 from ..master import check_step, watch
 from ..master.master import Run
 from ..master.native import NativeRun
@@ -191,7 +191,7 @@ def _say(
     if args.verbose:
         _say_coupling(record["coupling"])
         for m in record["log"]:
-            text = f"{m['time']:.6g} s {m['component']} [{m['category']}] {m['message']}"
+            text = f"{instant(m['time'])} s {m['component']} [{m['category']}] {m['message']}"
             print(text, file=sys.stderr)
     if args.json:
         print(json.dumps({"out": str(out), "run": record, "kpis": kpis}))
@@ -199,7 +199,7 @@ def _say(
         if kpis:
             print(kpi.format_table(kpis if args.verbose else _whole(kpis)) + "\n")
         if record["samples"]:
-            print(f"{out}: {record['samples']} samples to t = {record['reached']:g} s")
+            print(f"{out}: {record['samples']} samples to t = {instant(record['reached'])} s")
 
 
 def _say_coupling(coupling: dict[str, Any]) -> None:
