@@ -88,7 +88,7 @@ fn cells<M>(at: usize, row: &Variable<M>, start: String) -> Result<[String; 10]>
         causality(row.causality).into(),
         variability(row.variability).into(),
         kind(row),
-        start,
+        shown(row, start),
         limit(row, "min", row.min)?.unwrap_or_default(),
         limit(row, "max", row.max)?.unwrap_or_default(),
         dependencies(row),
@@ -110,6 +110,18 @@ fn kind<M>(row: &Variable<M>) -> String {
             format!("{} {{{}}}", kind.name, items.collect::<Vec<_>>().join(", "))
         }
     }
+}
+
+/// A start value as people read it: an enumeration's by its name.
+fn shown<M>(row: &Variable<M>, start: String) -> String {
+    let Access::Enumeration(_, kind) = row.access else {
+        return start;
+    };
+    let item = kind
+        .items
+        .iter()
+        .find(|item| item.value.to_string() == start);
+    item.map_or(start, |item| item.name.into())
 }
 
 /// What an output feeds through at a communication point.
