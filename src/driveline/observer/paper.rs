@@ -49,7 +49,7 @@ pub struct Gains {
     pub l_11: f64,
     /// L22 [1/s].
     pub l_22: f64,
-    /// L_c1, L_c2 of (29) with θ in m, shape (2); their unit follows from a V that mixes units.
+    /// L_c1, L_c2 of (29) with θ in m [kg·N/m], shape (2).
     pub l_c: [f64; 2],
 }
 

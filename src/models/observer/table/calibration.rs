@@ -1,5 +1,6 @@
 //! What `calibrating` learns, and what it trusts.
 
+use super::gains::{SQUARE_SPEED_PER_SECOND, SQUARE_TORQUE_PER_SECOND};
 use crate::observer::Observer;
 use fmi2_cosim::{Unit as U, Variable};
 
@@ -228,30 +229,30 @@ pub(super) const ANCHORS: [Variable<Observer>; 13] = [
     ),
     believed(
         "gain.calibrating.clutch",
-        U::ONE,
+        U::PER_SECOND,
         |m| &mut m.settings.calibrating.q[0],
-        "q_T: intensity of the friction of a slipping clutch, relative, in 1/s, calibrating",
+        "q_T: intensity of the friction of a slipping clutch, relative, calibrating",
     )
     .tunable(),
     believed(
         "gain.calibrating.load",
-        U::ONE,
+        SQUARE_TORQUE_PER_SECOND,
         |m| &mut m.settings.calibrating.q[1],
-        "q_v: intensity of the load torque in (N.m)2/s, calibrating",
+        "q_v: intensity of the load torque, calibrating",
     )
     .tunable(),
     believed(
         "gain.calibrating.speed",
-        U::ONE,
+        SQUARE_SPEED_PER_SECOND,
         |m| &mut m.settings.calibrating.q[2],
-        "q_w: intensity of the speeds in (rad/s)2/s, calibrating",
+        "q_w: intensity of the speeds, calibrating",
     )
     .tunable(),
     believed(
         "gain.calibrating.shaft",
-        U::ONE,
+        SQUARE_TORQUE_PER_SECOND,
         |m| &mut m.settings.calibrating.q[3],
-        "q_s: intensity of the drive shaft's spring torque in (N.m)2/s, calibrating",
+        "q_s: intensity of the drive shaft's spring torque, calibrating",
     )
     .tunable(),
     Variable::parameter(
