@@ -1,10 +1,21 @@
 //! What can go wrong, one variant per cause; each text says what to do where something can be done.
 
+use fmi2_cosim::Seconds;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
 /// Result of everything in this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// Names of `fmi2Status`, in its order.
+const STATUS: [&str; 6] = [
+    "fmi2OK",
+    "fmi2Warning",
+    "fmi2Discard",
+    "fmi2Error",
+    "fmi2Fatal",
+    "fmi2Pending",
+];
 
 /// Why a description, a package or a check could not be made.
 #[derive(Debug)]
@@ -109,6 +120,17 @@ pub enum Error {
         member: String,
         /// The FMUs.
         fmus: [PathBuf; 2],
+    },
+    /// A component failed in a run.
+    Run {
+        /// Its name.
+        component: String,
+        /// The variable and its value with `: `, where one was to be set.
+        setting: String,
+        /// Time of the communication point [s].
+        time: f64,
+        /// What it failed with.
+        source: Box<Error>,
     },
     /// An FMU refused a call.
     Refused {
@@ -264,11 +286,33 @@ impl fmt::Display for Error {
                 one.display(),
                 other.display()
             ),
+            Self::Run {
+                component,
+                setting,
+                time,
+                source,
+            } => write!(
+                f,
+                "{component} at t = {} s: {setting}{source}",
+                Seconds(*time)
+            ),
             Self::Refused {
                 function,
                 status,
                 messages,
-            } => write!(f, "{function} returned {status}: {messages}"),
+            } => {
+                let status = usize::try_from(*status).ok();
+                let name = status.and_then(|status| STATUS.get(status));
+                write!(
+                    f,
+                    "{function} returned {}",
+                    name.unwrap_or(&"no fmi2Status")
+                )?;
+                match messages.as_str() {
+                    "" => f.write_str(" and logged nothing"),
+                    said => write!(f, ": {said}"),
+                }
+            }
             Self::Stimuli { path, line, what } => {
                 write!(f, "{}, line {line}: {what}", path.display())
             }
@@ -285,7 +329,8 @@ impl fmt::Display for Error {
                 time,
             } => write!(
                 f,
-                "{variable} = {value} at t = {time} s: it is an Integer, so give it a whole number of 32 bits"
+                "{variable} = {value} at t = {} s: it is an Integer, so give it a whole number of 32 bits",
+                Seconds(*time)
             ),
             Self::Metadata { said } => write!(f, "`cargo metadata` failed: {}", said.trim_end()),
             Self::Epoch { value } => write!(
@@ -308,6 +353,7 @@ impl std::error::Error for Error {
             Self::Zip { source, .. } => Some(source),
             Self::Write(source) => Some(source),
             Self::Model(error) => Some(error),
+            Self::Run { source, .. } => Some(source),
             Self::Parse(source) => Some(source),
             Self::Load { source, .. } => Some(source),
             _ => None,

@@ -31,6 +31,7 @@ pub mod parameters;
 pub mod port;
 mod smoke;
 pub mod ssp;
+mod suggest;
 mod table;
 mod variables_md;
 mod xml;

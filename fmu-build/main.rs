@@ -120,7 +120,7 @@ enum Command {
         /// FMU files.
         #[arg(required = true, value_name = "FMU")]
         fmus: Vec<PathBuf>,
-        /// CSV file: column `time` [s], then columns named like inputs and parameters; others are passed over.
+        /// CSV file: column `time` [s], then columns named like inputs and parameters; others are named and passed over.
         #[arg(long, value_name = "CSV")]
         inputs: PathBuf,
         /// Communication step [s].
@@ -221,7 +221,9 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
                 out: &out,
                 calls: calls.as_deref(),
             };
-            fmu_build::replay(&fmus, &options)?;
+            for remark in fmu_build::replay(&fmus, &options)? {
+                writeln!(io::stderr(), "warning: {}: {remark}", inputs.display())?;
+            }
         }
         Command::Ssp { out } => ssp(out)?,
         Command::Check {

@@ -39,6 +39,7 @@ def test_it_writes_what_fmpy_gets(tmp_path: Path) -> None:
     stimuli.write_text(STIMULI, encoding="utf-8")
     done = _replay(stimuli, out)
     assert done.returncode == 0, done.stderr
+    assert f"warning: {stimuli}: column 'unknown' is passed over: no input or" in done.stderr
     rows = _rows(out)
     assert len(rows) == STEPS + 1
     with Instance(fmu("DctPlant")) as plant:
@@ -69,6 +70,15 @@ def test_several_fmus_are_a_closed_loop(tmp_path: Path) -> None:
     assert abs(late["DctObserver.clutch1.friction"] - 0.26) < 0.001
     assert abs(late["DctPlant.clutch1.torque"] - 60) < 0.1
     assert abs(late["DctObserver.clutch1.torque"] - late["DctPlant.clutch1.torque"]) < 0.1
+
+
+def test_a_refusal_names_fmu_time_variable_and_value(tmp_path: Path) -> None:
+    stimuli = tmp_path / "in.csv"
+    stimuli.write_text("time,clutch1.position\n0,0\n0.5,0\n1,-1\n", encoding="utf-8")
+    done = _replay(stimuli, tmp_path / "out.csv")
+    assert done.returncode == 1
+    said = "DctPlant at t = 0.51 s: fmi2SetReal returned fmi2Discard: fmi2SetReal: clutch1.position"
+    assert said in done.stderr
 
 
 def test_a_table_that_goes_back_in_time_is_refused(tmp_path: Path) -> None:

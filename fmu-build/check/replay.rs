@@ -7,7 +7,7 @@ use super::probe::resource_uri;
 use super::refused::{done, refused};
 use super::unpack::Unpacked;
 use super::{Library, opened};
-use crate::drive::{self, Calls, Kind, Part, Place, Recorded, Role, Signal, Stimuli};
+use crate::drive::{self, Calls, Kind, Loop, Part, Place, Recorded, Role, Signal, Stimuli};
 use crate::{Error, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,9 +34,11 @@ pub struct Replay<'a> {
 /// Several FMUs are coupled: an input takes the output of its name from the FMU nearest before its own
 /// in the list, going round.
 ///
+/// Returns why columns were passed over, one sentence each.
+///
 /// # Errors
 /// When a file cannot be read or written, and when an FMU refuses a call.
-pub fn replay(fmus: &[PathBuf], options: &Replay<'_>) -> Result<()> {
+pub fn replay(fmus: &[PathBuf], options: &Replay<'_>) -> Result<Vec<String>> {
     let stimuli = Stimuli::read(options.inputs)?;
     let opened: Vec<_> = fmus
         .iter()
@@ -51,12 +53,14 @@ pub fn replay(fmus: &[PathBuf], options: &Replay<'_>) -> Result<()> {
             Some(_) => Recorded::boxed(part, at, &fmu.description.guid, &calls),
         });
     }
-    let names = opened.iter().map(|fmu| fmu.description.model_name.clone());
-    let names: Vec<_> = names.collect();
-    let table = drive::table(parts, &names, &stimuli, options.step, options.every)?;
+    let mut all = Loop::new(parts, &stimuli);
+    let passed_over = all.passed_over(&stimuli);
+    let table = drive::table(&mut all, options.step, options.every)?;
     write(options.out, &table)?;
-    let all = options.calls.map(|path| write(path, &calls.borrow()));
-    all.unwrap_or(Ok(()))
+    if let Some(path) = options.calls {
+        write(path, &calls.borrow())?;
+    }
+    Ok(passed_over)
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {
@@ -88,6 +92,7 @@ impl Opened {
             .instantiate(&self.description.guid, &resources, true)?;
         let variables = self.description.variables().iter();
         Ok(Running {
+            name: &self.description.model_name,
             instance: instance.ok_or_else(|| refused("fmi2Instantiate", 3))?,
             signals: variables.filter_map(signal).collect(),
         })
@@ -119,11 +124,16 @@ fn signal(variable: &ScalarVariable) -> Option<Signal> {
 }
 
 struct Running<'a> {
+    name: &'a str,
     instance: Instance<'a>,
     signals: Vec<Signal>,
 }
 
 impl Part for Running<'_> {
+    fn name(&self) -> &str {
+        self.name
+    }
+
     fn signals(&self) -> &[Signal] {
         &self.signals
     }

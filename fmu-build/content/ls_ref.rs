@@ -7,7 +7,7 @@
 //! ```
 
 use super::Members;
-use crate::drive::{self, Stimuli};
+use crate::drive::{self, Loop, Stimuli};
 use crate::parameters::ParameterSet;
 use crate::xml::Element;
 use crate::{Entry, Error, Result, Smoke};
@@ -159,14 +159,9 @@ fn results(entry: &Entry, smoke: &Smoke, inputs: &str) -> Result<String> {
             part.set(place, *value)?;
         }
     }
-    let names = [entry.name.to_owned()];
-    drive::table(
-        vec![part],
-        &names,
-        &stimuli(inputs)?,
-        smoke.step,
-        smoke.every,
-    )
+    let stimuli = stimuli(inputs)?;
+    let mut all = Loop::new(vec![part], &stimuli);
+    drive::table(&mut all, smoke.step, smoke.every)
 }
 
 fn experiments(smoke: &Smoke, stimuli: &Stimuli) -> String {

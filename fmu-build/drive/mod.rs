@@ -17,6 +17,7 @@ pub(crate) use model::Driven;
 pub(crate) use recorded::{Calls, Recorded};
 pub(crate) use stimuli::Stimuli;
 
+use crate::suggest::did_you_mean;
 use crate::{Error, Result};
 use std::fmt::Write as _;
 use stimuli::Column;
@@ -55,6 +56,8 @@ pub(crate) struct Signal {
 
 /// A component in its life cycle.
 pub(crate) trait Part {
+    /// Name of its model.
+    fn name(&self) -> &str;
     fn signals(&self) -> &[Signal];
     fn set(&mut self, place: Place, value: f64) -> Result<()>;
     fn get(&mut self, place: Place) -> Result<f64>;
@@ -110,11 +113,9 @@ impl<'a> Loop<'a> {
             return Err(Error::Step { step, times });
         }
         self.give(start, &[Role::Input, Role::Parameter])?;
-        for part in &mut self.parts {
-            part.initialize(start)?;
-        }
-        (0..self.parts.len()).try_for_each(|at| self.connect_to(at))?;
-        self.parts.iter_mut().try_for_each(|part| part.start())?;
+        self.each(start, &|part| part.initialize(start))?;
+        (0..self.parts.len()).try_for_each(|at| self.connect_to(at, start))?;
+        self.each(start, &|part| part.start())?;
         see(start, self)?;
         let point = |index| start + f64::from(index) * step;
         for index in 0_u32.. {
@@ -124,17 +125,37 @@ impl<'a> Loop<'a> {
             }
             self.give(time, &[Role::Input])?;
             for at in 0..self.parts.len() {
-                self.connect_to(at)?;
-                self.parts[at].step(time, step)?;
+                self.connect_to(at, time)?;
+                let stepped = self.parts[at].step(time, step);
+                stepped.map_err(|cause| self.failed(at, time, String::new(), cause))?;
             }
             see(point(index + 1), self)?;
         }
-        self.parts.iter_mut().try_for_each(|part| part.terminate())
+        self.each(stop, &|part| part.terminate())
+    }
+
+    /// Calls every component.
+    fn each(&mut self, time: f64, call: &dyn Fn(&mut dyn Part) -> Result<()>) -> Result<()> {
+        for at in 0..self.parts.len() {
+            let called = call(&mut *self.parts[at]);
+            called.map_err(|cause| self.failed(at, time, String::new(), cause))?;
+        }
+        Ok(())
+    }
+
+    /// Whose failure it is, and when. `setting`: the variable that was to be set, with its value.
+    fn failed(&self, at: usize, time: f64, setting: String, cause: Error) -> Error {
+        Error::Run {
+            component: self.parts[at].name().to_owned(),
+            setting,
+            time,
+            source: Box::new(cause),
+        }
     }
 
     /// Sets every input to what it is at a communication point.
     pub(crate) fn exchange(&mut self, time: f64) -> Result<()> {
-        (0..self.parts.len()).try_for_each(|at| self.connect_to(at))?;
+        (0..self.parts.len()).try_for_each(|at| self.connect_to(at, time))?;
         self.give(time, &[Role::Input])
     }
 
@@ -153,18 +174,37 @@ impl<'a> Loop<'a> {
                     time,
                 });
             }
-            self.parts[given.at].set(given.place, value)?;
+            self.parts[given.at]
+                .set(given.place, value)
+                .map_err(|cause| self.failed(given.at, time, told(given, value, &cause), cause))?;
         }
         Ok(())
     }
 
     /// Sets every wired input of a component.
-    fn connect_to(&mut self, at: usize) -> Result<()> {
+    fn connect_to(&mut self, at: usize, time: f64) -> Result<()> {
         for Wire { from, to } in self.wires.iter().filter(|wire| wire.to.0 == at) {
-            let value = self.parts[from.0].get(from.1)?;
-            self.parts[at].set(to.1, value)?;
+            let value = self.parts[from.0].get(from.1);
+            let value = value.map_err(|cause| self.failed(from.0, time, String::new(), cause))?;
+            let set = self.parts[at].set(to.1, value);
+            set.map_err(|cause| self.failed(at, time, String::new(), cause))?;
         }
         Ok(())
+    }
+
+    /// What is wrong with columns of the table that set nothing, one sentence each.
+    pub(crate) fn passed_over(&self, stimuli: &Stimuli) -> Vec<String> {
+        let signals = || self.parts.iter().flat_map(|part| part.signals());
+        let idle = |name: &&str| !self.given.iter().any(|given| given.column.name == *name);
+        let why = |name: &str| {
+            if signals().any(|signal| signal.name == name) {
+                return format!("column '{name}' is passed over: an output gives it");
+            }
+            let settable = signals().filter(|signal| signal.role != Role::Output);
+            let hint = did_you_mean(name, settable.map(|signal| signal.name.as_str()));
+            format!("column '{name}' is passed over: no input or parameter has this name{hint}")
+        };
+        stimuli.names().filter(idle).map(why).collect()
     }
 
     /// Names and places of a component's signals of a role.
@@ -175,13 +215,13 @@ impl<'a> Loop<'a> {
     }
 
     /// Names of all outputs, each behind the name of its component when there are several.
-    pub(crate) fn outputs(&self, names: &[String]) -> Vec<(String, usize, Place)> {
+    fn outputs(&self) -> Vec<(String, usize, Place)> {
         let mut all = Vec::new();
         for at in 0..self.parts.len() {
             for (name, place) in self.signals(at, Role::Output) {
-                let name = match names {
+                let name = match self.parts.as_slice() {
                     [_] => name,
-                    several => format!("{}.{name}", several[at]),
+                    several => format!("{}.{name}", several[at].name()),
                 };
                 all.push((name, at, place));
             }
@@ -193,6 +233,15 @@ impl<'a> Loop<'a> {
     pub(crate) fn value(&mut self, at: usize, place: Place) -> Result<f64> {
         self.parts[at].get(place)
     }
+}
+
+/// What was to be set, unless the cause names it.
+fn told(given: &Given<'_>, value: f64, cause: &Error) -> String {
+    let name = given.column.name;
+    if cause.to_string().contains(name) {
+        return String::new();
+    }
+    format!("{name} = {}: ", shown(given.place.kind, value))
 }
 
 /// What the table gives: everything of its names that no wire reaches.
@@ -220,16 +269,9 @@ fn given<'a>(signals: &[&[Signal]], wires: &[Wire], stimuli: &'a Stimuli) -> Vec
     found
 }
 
-/// All outputs of the components `parts`, named `names`, as CSV; every `every`-th communication point.
-pub(crate) fn table<'a>(
-    parts: Vec<Box<dyn Part + 'a>>,
-    names: &[String],
-    stimuli: &'a Stimuli,
-    step: f64,
-    every: u32,
-) -> Result<String> {
-    let mut all = Loop::new(parts, stimuli);
-    let outputs = all.outputs(names);
+/// All outputs of the components as CSV; every `every`-th communication point.
+pub(crate) fn table(all: &mut Loop<'_>, step: f64, every: u32) -> Result<String> {
+    let outputs = all.outputs();
     let mut text = String::from("time");
     for (name, ..) in &outputs {
         let _ = write!(text, ",{name}");
@@ -270,14 +312,13 @@ pub(crate) fn shown(kind: Kind, value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Driven, Stimuli, table};
+    use super::{Driven, Loop, Stimuli, table};
     use dct_models::Plant;
 
     fn refused(inputs: &str, step: f64) -> String {
         let stimuli = Stimuli::parse(inputs).unwrap();
         let parts = vec![Driven::<Plant>::boxed()];
-        let names = ["DctPlant".to_owned()];
-        let done = table(parts, &names, &stimuli, step, 1);
+        let done = table(&mut Loop::new(parts, &stimuli), step, 1);
         done.err().map(|error| error.to_string()).unwrap()
     }
 
@@ -290,6 +331,31 @@ mod tests {
                 "{told}"
             );
         }
+    }
+
+    #[test]
+    fn a_failure_names_component_time_variable_and_value() {
+        let told = refused("time,clutch1.position\n0,0\n0.02,-1\n1,0\n", 0.01);
+        assert_eq!(
+            told,
+            "DctPlant at t = 0.01 s: clutch1.position = -0.5 is below 0"
+        );
+    }
+
+    #[test]
+    fn columns_that_set_nothing_are_named() {
+        let stimuli = "time,engine.torqe,vehicle.speed,x,engine.torque\n0,1,1,1,1\n";
+        let stimuli = Stimuli::parse(stimuli).unwrap();
+        let all = Loop::new(vec![Driven::<Plant>::boxed()], &stimuli);
+        let unknown = "is passed over: no input or parameter has this name";
+        assert_eq!(
+            all.passed_over(&stimuli),
+            [
+                format!("column 'engine.torqe' {unknown}; did you mean 'engine.torque'?"),
+                "column 'vehicle.speed' is passed over: an output gives it".into(),
+                format!("column 'x' {unknown}"),
+            ]
+        );
     }
 
     #[test]

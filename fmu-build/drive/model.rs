@@ -50,6 +50,10 @@ fn silent<T>(
 }
 
 impl<M: Model> Part for Driven<M> {
+    fn name(&self) -> &str {
+        M::NAME
+    }
+
     fn signals(&self) -> &[Signal] {
         &self.signals
     }

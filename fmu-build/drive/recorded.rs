@@ -54,6 +54,10 @@ impl<'a> Recorded<'a> {
 }
 
 impl Part for Recorded<'_> {
+    fn name(&self) -> &str {
+        self.part.name()
+    }
+
     fn signals(&self) -> &[Signal] {
         self.part.signals()
     }

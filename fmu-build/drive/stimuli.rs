@@ -67,6 +67,11 @@ impl Stimuli {
         (self.rows[0][0], self.rows[self.rows.len() - 1][0])
     }
 
+    /// Names of the columns after the time.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().skip(1).map(String::as_str)
+    }
+
     pub(crate) fn column(&self, name: &str) -> Option<Column<'_>> {
         let index = self.names.iter().skip(1).position(|other| other == name)? + 1;
         Some(Column {
