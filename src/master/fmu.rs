@@ -98,7 +98,13 @@ impl Fmu {
         let number = number(variable, value).map_err(|what| Error::variable(&full, what))?;
         let mut one = Signals::new([variable]);
         let done = one.set(&mut self.instance, &[number]);
-        done.map_err(|failure| self.failed(failure))
+        done.map_err(|(function, status)| {
+            let said = said(&self.log);
+            Error::variable(
+                &full,
+                format!("= {number} is refused: {function} returned {status}{said}"),
+            )
+        })
     }
 
     /// Leaves initialisation mode.

@@ -7,7 +7,7 @@ import hashlib
 import os
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,14 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from ..errors import FmuInvalidError, FmuRuntimeError, PlatformError, instant
+from ..errors import (
+    ConfigError,
+    FmuInvalidError,
+    FmuRuntimeError,
+    HarnessError,
+    PlatformError,
+    instant,
+)
 from . import values as single
 from .archive import described, unpack
 from .discard import finish
@@ -31,6 +38,7 @@ STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 DISCARD = 2
 LAST_TIME = 2  # fmi2LastSuccessfulTime
 LAST_MESSAGES = 5
+Failed = Callable[[str, str], HarnessError]  # an error of a function and what it did
 
 
 class Fmu(Ports):
@@ -125,7 +133,13 @@ class Fmu(Ports):
         variable = self.variables[name]
         setter = getattr(self._slave, f"set{group_of(variable)}")
         reference = [variable.valueReference]
-        self._call(f"fmi2Set{group_of(variable)} ({name})", lambda: setter(reference, [value]))
+        refused = partial(self._refused, variable, value)
+        self._call(f"fmi2Set{group_of(variable)}", lambda: setter(reference, [value]), refused)
+
+    def _refused(self, variable: Any, value: Any, function: str, what: str) -> ConfigError:
+        shown = value if isinstance(value, str) else np.format_float_positional(value, trim="-")
+        told = f"'{self.name}.{variable.name}' = {shown} is refused: {function} {what}"
+        return ConfigError(told + self._said(), variable.name)
 
     def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Attach the float buffers that `set_inputs` reads and `get_outputs` writes.
@@ -280,13 +294,15 @@ class Fmu(Ports):
         status = function(self._component, ctypes.c_int(LAST_TIME), ctypes.byref(value))
         return value.value if status <= 1 else None
 
-    def _call(self, function: str, action: Any) -> None:
+    def _call(self, function: str, action: Any, failed: Failed | None = None) -> None:
+        """Call a function of the FMU; `failed` makes the error of one that does not succeed."""
+        failed = failed or self._error
         try:
             action()
         except FMICallException as error:
-            raise self._error(function, _returned(error.status)) from error
+            raise failed(function, _returned(error.status)) from error
         except Exception as error:
-            raise self._error(function, str(error)) from error
+            raise failed(function, str(error)) from error
 
     def _fail(self, function: str, status: int) -> None:
         self._stepping = False
@@ -306,8 +322,12 @@ class Fmu(Ports):
         raise self._error("fmi2DoStep", f"returned fmi2Discard: {why}")
 
     def _error(self, function: str, what: str) -> FmuRuntimeError:
-        said = "".join(f"\n  {m['category']}: {m['message']}" for m in self.log[-LAST_MESSAGES:])
-        return FmuRuntimeError(f"{self.name}: {function} at t = {instant(self.now)} s {what}{said}")
+        told = f"{self.name}: {function} at t = {instant(self.now)} s {what}"
+        return FmuRuntimeError(told + self._said())
+
+    def _said(self) -> str:
+        last = self.log[-LAST_MESSAGES:]
+        return "".join(f"\n  {m['category']}: {m['message']}" for m in last)
 
     def _callbacks(self) -> Any:
         def logger(_env: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:

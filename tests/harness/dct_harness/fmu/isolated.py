@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError, instant
 from .archive import described
-from .fmu import DISCARD, STATUS, Fmu
+from .fmu import DISCARD, STATUS, Failed, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
 from .loader import explain
 from .ports import GROUPS, is_ours
@@ -82,7 +82,8 @@ class Isolated(Fmu):
     def _callbacks(self) -> None:
         """Callbacks live in the other process."""
 
-    def _call(self, function: str, action: Any) -> None:
+    def _call(self, function: str, action: Any, failed: Failed | None = None) -> None:
+        failed = failed or self._error
         try:
             action()
             self._collect()
@@ -90,7 +91,7 @@ class Isolated(Fmu):
             raise
         except Exception as error:
             self._collect()
-            raise self._error(function, str(error)) from error
+            raise failed(function, str(error)) from error
 
     def _collect(self) -> None:
         """Take the messages of the FMU over."""
