@@ -19,6 +19,7 @@ from dct_harness.report.study_data import Shown, StudyData
 from dct_harness.report.study_numbers import breaks, crossing, curve, heat, sensitivity, summary
 from dct_harness.sweep.sampling import Factor, points
 from dct_harness.sweep.store import read_rows
+from lxml import html
 from playwright.sync_api import Browser, sync_playwright
 
 KPI = "estimation.percentOfRms"
@@ -158,6 +159,15 @@ def test_a_command_of_the_page_gives_the_same_kpis_to_the_last_bit(
              for r in kpis["rows"] if r["scope"] == "scenario"}  # fmt: skip
     assert len(again) > 50
     assert again == {name: worst[name] for name in again}
+
+
+def test_seeds_are_whole_numbers_in_the_tables(small: Path) -> None:
+    page = html.fromstring((small / "report/index.html").read_text("utf-8"))
+    (table, *_) = page.xpath("//section[@id='worst']//table")
+    heads = [head.text_content() for head in table.xpath(".//thead//th")]
+    column = heads.index("seed of the noise") + 1
+    shown = {cell.text_content() for cell in table.xpath(f".//tbody/tr/*[{column}]")}
+    assert shown <= {f"{row['seed']:.0f}" for row in read_rows(small).values()}
 
 
 @pytest.fixture(scope="module")

@@ -24,8 +24,8 @@ def context(folder: Path, title: str = "") -> Json:
     return {
         "title": title or data.plan["title"], "plan": data.plan, "data": data,
         "sections": sections, "courses": courses, "figures": [*drawn, *courses],
-        "failed": data.failed, "number": number, "factors": [_factor(f) for f in data.factors],
-        "axes": data.plan["axes"],
+        "failed": data.failed, "number": number, "level": level,
+        "factors": [_factor(f) for f in data.factors], "axes": data.plan["axes"],
     }  # fmt: skip
 
 
@@ -59,9 +59,16 @@ def _worst(data: StudyData, shown: Shown, series: Series) -> list[Json]:
     for k in shown.worst_first(series.values)[:WORST]:
         row = data.rows[int(series.rows[k])]
         found.append({"label": series.label, "run": row["run"], "value": float(series.values[k]),
-                      "factors": [row.get(f["name"]) for f in data.factors],
+                      "factors": [level(f, row.get(f["name"])) for f in data.factors],
                       "command": row.get("command", "")})  # fmt: skip
     return found
+
+
+def level(factor: Json, value: float | None) -> str:
+    """Return the value of a factor in a run; whole numbers, as seeds, with all their digits."""
+    if factor.get("whole") and value is not None:
+        return f"{value:.0f}"
+    return number(value, 3)
 
 
 def _factor(factor: Json) -> Json:
