@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from closed_loop_runs import GOLDEN, SYSTEMS, Runs, golden_json, golden_rows, rms, run
 from dct_harness.results import Results
 from dct_harness.system import scenario
+from lxml import html
 
 STEP = 1e-3  # s, of every system file in examples/closed_loop
 SPEED_LIMIT = 1e-3  # rad/s, promised; the reference itself is good to 1e-8
@@ -167,6 +169,12 @@ def test_readme_and_docs_tell_what_feedback_buys(runs: Runs, repo_root: Path) ->
     (a, b), (c, d) = errors[:2]
     assert (f"with {a:.1f} N·m RMS error while slipping instead of {b:.1f} N·m in case 1, and "
             f"{c:.1f} N·m instead of {d:.1f} N·m in case 2") in words("README.md")  # fmt: skip
+    with zipfile.ZipFile(repo_root / "target/fmu/DctClutchControl.fmu") as archive:
+        page = html.fromstring(archive.read("documentation/index.html"))
+    cells = [[cell.text_content().split()[0] for cell in row.xpath("./td")[-2:]]
+             for row in page.xpath("//section[@id='accuracy']//tbody/tr")]  # fmt: skip
+    wanted = [[f"{x:.1f}" if x < 9.95 else f"{x:.0f}" for x in row] for row in ((a, c), (b, d))]
+    assert cells == wanted
     shares = [f"{100 * closed / opened:.0f}" for closed, opened in errors]
     said = "{} % (case 1) and {} % (case 2) of that without feedback, with friction that fades " \
            "during the shift to {} and {} %".format(*shares)  # fmt: skip

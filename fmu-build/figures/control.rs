@@ -41,13 +41,17 @@ fn errors(feedback: f64, friction: [f64; 2]) -> Result<[f64; 2]> {
     let mut all = Loop::new(models(), &stimuli);
     let clutches = [1, 2].map(|clutch| Clutch::of(&all, clutch));
     let (mut squares, mut count) = ([0.0; 2], 0.0);
-    all.run(STEP, &mut |_, all| {
-        for [state, torque, request] in clutches.iter().flatten().map(|clutch| clutch.0) {
-            if all.value(0, state)? != SLIPPING {
-                continue;
+    all.run(STEP, &mut |time, all| {
+        let mut slipping = Vec::new();
+        for Clutch([state, torque, request]) in clutches.iter().flatten() {
+            if all.value(0, *state)? == SLIPPING {
+                slipping.push((all.value(0, *torque)?.abs(), *request));
             }
+        }
+        all.exchange(time)?; // the requests of this communication point, not of the one before
+        for (torque, request) in slipping {
             let request = all.value(2, request)?;
-            let error = all.value(0, torque)?.abs() - request;
+            let error = torque - request;
             squares[0] += error * error;
             squares[1] += request * request;
             count += 1.0;
