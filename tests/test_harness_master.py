@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 import re
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
 from dct_harness import results
+from dct_harness.fmu.ports import feedthrough
 from dct_harness.master.coupling import algebraic_loops, delayed
+from fmpy.model_description import ModelDescription, ScalarVariable, Unknown
 from harness_fixture.lag_fmu import LAG, run, variable, write_fmu
 
 STEP = 0.01  # s
+MANY = 2000  # inputs, and outputs
 SYSTEM = """[system]
 name = "two"
 step = 0.01
@@ -109,6 +113,21 @@ def test_only_a_loop_without_a_state_is_algebraic(
 ) -> None:
     fmus = {"a": _Fmu({"y": {"u"}}), "b": _Fmu(second)}
     assert algebraic_loops(fmus, {"a.u": "b.y", "b.u": "a.y"}) == loops
+
+
+def test_who_depends_on_whom_takes_no_more_than_the_description_says() -> None:
+    inputs = [ScalarVariable(f"u{k}", k, causality="input") for k in range(MANY)]
+    outputs = [ScalarVariable(f"y{k}", k, causality="output") for k in range(MANY)]
+    told = ModelDescription(modelVariables=[*inputs, *outputs])
+    told.outputs = [Unknown(variable=v) for v in outputs]
+    tracemalloc.start()
+    known = feedthrough(told)
+    loops = algebraic_loops({"a": _Fmu(known)}, {"a.u0": "a.y1", "a.u1": "b.y"})
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert known["y7"] == {v.name for v in inputs}
+    assert loops == [["a.u0", "a.y1"]]
+    assert peak < MANY * 1000  # bytes; a set of its own for every output takes MANY² · 32
 
 
 def test_a_component_that_feeds_itself_is_late_in_any_order() -> None:

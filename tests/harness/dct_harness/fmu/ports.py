@@ -83,7 +83,8 @@ def is_ours(description: Any) -> bool:
 def feedthrough(description: Any, initial: bool = False) -> dict[str, set[str]]:
     """Return output -> inputs that it depends on at the same instant; or in initialisation mode.
 
-    An output without stated dependencies may depend on every input (FMI 2.0.4, 2.2.8).
+    An output without stated dependencies may depend on every input (FMI 2.0.4, 2.2.8); such outputs
+    share one set, so that this takes no more than the description says.
     """
     inputs = {v.name for v in description.modelVariables if v.causality == "input"}
     unknowns = {u.variable.name: u for u in description.outputs}
@@ -93,5 +94,5 @@ def feedthrough(description: Any, initial: bool = False) -> dict[str, set[str]]:
     found = {}
     for name, unknown in unknowns.items():
         named = unknown.dependencies
-        found[name] = set(inputs if named is None else inputs & {v.name for v in named})
+        found[name] = inputs if named is None else {v.name for v in named} & inputs
     return found

@@ -26,14 +26,19 @@ def delayed(order: list[str], sources: dict[str, str], coupling: str) -> list[di
 
 
 def algebraic_loops(fmus: Mapping[str, Any], sources: dict[str, str]) -> list[list[str]]:
-    """Return the loops of signals that depend on themselves at one instant, each sorted."""
+    """Return the loops of signals that depend on themselves at one instant, each sorted.
+
+    Only connected signals are looked at, however many variables the FMUs have.
+    """
     edges: dict[str, set[str]] = {}
     for target, source in sources.items():
         edges.setdefault(source, set()).add(target)
     for name, fmu in fmus.items():
+        taken = {target.partition(".")[2] for target in sources if target.startswith(f"{name}.")}
         for output, inputs in fmu.feedthrough().items():
-            for variable in inputs:
-                edges.setdefault(f"{name}.{variable}", set()).add(f"{name}.{output}")
+            if f"{name}.{output}" in edges:
+                for variable in taken & inputs:
+                    edges.setdefault(f"{name}.{variable}", set()).add(f"{name}.{output}")
     return loops(edges)
 
 

@@ -128,9 +128,10 @@ def _edges(members: dict[str, Member], sources: dict[str, str]) -> dict[str, set
         if not source.startswith("scenario."):
             edges.setdefault(source, set()).add(target)
     for name, member in members.items():
+        taken = {target.partition(".")[2] for target in sources if target.startswith(f"{name}.")}
         for output, inputs in member.fmu.feedthrough(initial=True).items():
-            for variable in inputs:
-                if f"{name}.{variable}" in sources and f"{name}.{output}" in edges:
+            if f"{name}.{output}" in edges:
+                for variable in taken & inputs:
                     edges[f"{name}.{variable}"].add(f"{name}.{output}")
     return edges
 

@@ -72,8 +72,8 @@ class Mapped:
         """Return output -> inputs that it depends on at the same instant, by our names."""
         raw = self._fmu.feedthrough(initial)
         names = {k.theirs.name: k.ours.name for k in self._in}
-        every = set(names)
-        found = {k.ours.name: {names[n] for n in raw.get(k.theirs.name, every) if n in names}
+        every = names.keys()
+        found = {k.ours.name: {names[n] for n in every & raw.get(k.theirs.name, every)}
                  for k in self._out}  # fmt: skip
         for entry in self._derived:
             found[entry.name] = set().union(*(found[source] for source, _ in entry.terms))
