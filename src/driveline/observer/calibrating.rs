@@ -54,6 +54,7 @@ use crate::observer::friction_map::{FrictionMap, POINTS};
 use crate::observer::grip::{Grip, Hold};
 use crate::observer::instant::Instant;
 use crate::observer::prior::Prior;
+use crate::observer::standstill::unsure;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use nalgebra::{ComplexField, SMatrix, SVector};
@@ -170,7 +171,7 @@ impl Observer for Calibrating {
         if !sample.is_finite() {
             return self.refuse(settings);
         }
-        let (p, sample) = &settings.calibrating.prior.correct(p, sample);
+        let (p, sample) = &self.known(p, settings, sample);
         self.tracker.start(p, sample, WHEEL);
         let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
@@ -181,7 +182,7 @@ impl Observer for Calibrating {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.refuse(settings);
         }
-        let (p, sample) = &settings.calibrating.prior.correct(p, sample);
+        let (p, sample) = &self.known(p, settings, sample);
         self.tracker.follow(p, sample, WHEEL, h);
         let hold = self
             .grip
@@ -215,6 +216,13 @@ impl Observer for Calibrating {
 }
 
 impl Calibrating {
+    /// What is known before a step: by an earlier drive, and of a wheel that may stand.
+    fn known(&self, p: &Params, settings: &Settings, sample: &Sample) -> (Params, Sample) {
+        let (mut p, sample) = settings.calibrating.prior.correct(p, sample);
+        unsure(&mut p, self.tracker.belief.p[(W_W, W_W)]);
+        (p, sample)
+    }
+
     /// A sample seen with what is known.
     fn view<'a>(&'a self, p: &'a Params, sample: &'a Sample) -> View<'a> {
         let Tracker {

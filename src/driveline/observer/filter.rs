@@ -107,7 +107,8 @@ impl Flow {
     pub fn new(model: &Speeds, h: f64) -> Self {
         const REACH: f64 = 0.1; // of a term over the one before; REACH^9/10! < 1e-15
         let a = model.a();
-        let rate = ComplexField::sqrt(model.k / model.j_out) + 2.0 * model.c / model.j_out;
+        let swing = ComplexField::sqrt(model.k / model.j_out);
+        let rate = swing + 2.0 * model.c / model.j_out + model.drag / model.j_v;
         let (mut t, mut doublings) = (h, 0);
         while t * rate > REACH && doublings < 30 {
             t *= 0.5;

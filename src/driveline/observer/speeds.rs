@@ -45,6 +45,8 @@ pub struct Speeds {
     pub k: f64,
     /// c_o [N·m·s/rad].
     pub c: f64,
+    /// ∂T_v/∂ω_w, where the load is one of the speed [N·m·s/rad].
+    pub drag: f64,
     /// k_d [N·m/rad], c_d [N·m·s/rad], J_d [kg·m²] behind which a clutch is engaged; 0 while none is.
     pub damper: [f64; 3],
     /// The clutch that is engaged.
@@ -67,6 +69,7 @@ impl Speeds {
             g,
             k: p.k_o * soft,
             c: p.c_o * soft * soft,
+            drag: 0.0,
             damper: [0.0; 3],
             engaged: None,
         }
@@ -111,6 +114,7 @@ impl Speeds {
         let mut a = Matrix4::zeros();
         a.set_row(1, &(t_o / -self.j_out));
         a.set_row(2, &(t_o / j_v));
+        a[(2, 2)] -= self.drag / j_v;
         if let Some(i) = self.engaged {
             let (g, c_d) = (self.g[i], self.damper[1]);
             let t_d = RowVector4::new(c_d, -c_d * g, 0.0, 0.0);
