@@ -152,6 +152,13 @@ def test_a_result_directory_that_cannot_be_is_refused_before_the_run(
                           "name another folder\n"  # fmt: skip
 
 
+def test_a_file_in_place_of_results_is_called_one(tmp_path: Path) -> None:
+    system = write_system(tmp_path)
+    done = harness("report", system, "--out", tmp_path / "page", folder=tmp_path)
+    assert done.returncode == 2
+    assert f"{system}: it is a file, not a directory of results" in done.stderr
+
+
 def test_a_page_that_cannot_be_written_exits_2(lag_dir: Path, tmp_path: Path) -> None:
     run(write_system(tmp_path), lag_dir)
     page = tmp_path / "out/run.json/page"

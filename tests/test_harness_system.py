@@ -124,7 +124,7 @@ def test_published_schemas_accept_the_shipped_files(
 @pytest.mark.parametrize(("option", "said"), [
     ("plant.tau", "write component.variable=value"),
     ("tau=1", "write component.variable=value"),
-    ("plnt.tau=1", "has no component 'plnt'. Did you mean 'plant'?"),
+    ("plnt.tau=1", "has no component 'plnt' (plant). Did you mean 'plant'?"),
 ])  # fmt: skip
 def test_override_that_names_nothing_is_refused(tmp_path: Path, option: str, said: str) -> None:
     loaded = system.load(write_system(tmp_path))

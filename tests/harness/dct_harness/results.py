@@ -103,6 +103,7 @@ def find(directory: Path) -> Path:
     found = [p for s in formats.SUFFIXES if (p := directory / f"results{s}").is_file()]
     if not found:
         what = f"no {RESULTS_CSV}" if directory.is_dir() else "there is no such directory"
+        what = "it is a file, not a directory of results" if directory.is_file() else what
         raise ConfigError(f"{directory}: {what}; make it with `dct-harness run`")
     if len(found) > 1:
         names = ", ".join(path.name for path in found)

@@ -76,8 +76,10 @@ class System:
             self._override_noise(text, variable, parse_value(value.strip()))
             return
         if component not in self.components:
+            known = ", ".join(self.components)
             hint = did_you_mean(component, self.components)
-            raise ConfigError(f"--set {text}: {self.path} has no component '{component}'.{hint}")
+            what = f"{self.path} has no component '{component}' ({known}).{hint}"
+            raise ConfigError(f"--set {text}: {what}")
         self.components[component].parameters[variable] = parse_value(value.strip())
         self.overridden.add((component, variable))
 
