@@ -13,7 +13,7 @@ from dct_harness.fmu.remote import Remote
 from harness_fixture.lag_fmu import run, write_system
 
 (CRASH, HANG, EXIT, FORK, FLOOD, CHDIR, PRINT, MEMORY, DAEMON, ABORT, GARBAGE, CLOSE, IGNORE_TERM,
- HANG_AT_END) = range(1, 15)  # fmt: skip
+ HANG_AT_END, REFUSE) = range(1, 16)  # fmt: skip
 AT = "plant: fmi2DoStep at t = 0.1 s"
 
 
@@ -45,6 +45,22 @@ def test_misbehaviour_ends_the_run_and_keeps_the_rows(
     assert "Traceback" not in done.stderr
     assert _rows(tmp_path) == 101
     assert not _left(hostile)
+
+
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+@pytest.mark.parametrize(("options", "said"), [
+    ((), f"{AT} returned fmi2Error; its log is off: --fmu-log lets it say why"),
+    (("--fmu-log",), "\n  logStatusError: no gear 9\n"),
+])  # fmt: skip
+def test_an_fmu_of_others_says_why_it_refuses_when_it_is_asked_to(
+    tmp_path: Path, hostile: Path, engine: str, options: tuple[str, ...], said: str
+) -> None:
+    """Also after a flood of 20,000 messages of what it does."""
+    words = ("--set", f"plant.mode={REFUSE}", "--engine", engine, *options)
+    done = run(write_system(tmp_path), hostile, *words)
+    assert done.returncode == 4
+    assert said in done.stderr
+    assert len(results.load(tmp_path / "out").run["log"]) <= 1002
 
 
 def _left(folder: Path) -> list[str]:

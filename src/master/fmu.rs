@@ -13,6 +13,9 @@ use std::sync::Arc;
 /// So many of its last messages stand under the error of an FMU.
 const LAST_MESSAGES: usize = 5;
 
+/// Under the error of one that said nothing, as nobody had asked it to.
+const UNASKED: &str = "; its log is off: --fmu-log lets it say why";
+
 /// An instance.
 pub struct Fmu {
     name: String,
@@ -218,6 +221,9 @@ impl Drop for Fmu {
 /// The last messages of an FMU, a line each.
 pub fn said(log: &Log) -> String {
     let messages = log.messages();
+    if messages.is_empty() && log.is_off() {
+        return UNASKED.to_owned();
+    }
     let last = messages.iter().rev().take(LAST_MESSAGES).rev();
     last.map(|message| format!("\n  {}: {}", message.category, message.text))
         .collect()

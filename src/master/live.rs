@@ -21,7 +21,7 @@ impl Live {
     pub(crate) fn begin(&self, plan: &Plan) -> Vec<Arc<Log>> {
         let numbered = plan.components.iter().zip(0..);
         let logs = numbered.map(|(component, number)| {
-            let log = Log::new(self.calls.clone(), number);
+            let log = Log::new(self.calls.clone(), number, plan.log);
             (component.name.clone(), Arc::new(log))
         });
         let logs = self.logs.get_or_init(|| logs.collect());

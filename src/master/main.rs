@@ -105,6 +105,9 @@ struct RunWords {
     /// Results: `time` [s], then `component.variable`.
     #[arg(long, value_name = "FILE", default_value = "results.csv")]
     out: PathBuf,
+    /// Ask FMUs that this project did not build to log what they do: why they refuse a call; may be slow.
+    #[arg(long)]
+    fmu_log: bool,
     /// Also what the FMUs say, with their times.
     #[arg(short, long)]
     verbose: bool,
@@ -213,6 +216,7 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
         eprintln!("the scenario has no column for {free}: start values");
     }
     let (mut plan, held) = system.plan(&words.fmu_dir, &scenario, &mut libraries)?;
+    plan.log = words.fmu_log;
     plan.record = (!words.record.is_empty()).then_some(words.record);
     let script = system.rows(&scenario, (&plan, &held), &times)?;
     let outcome = made(plan, (&times, script), libraries, ending);

@@ -18,6 +18,9 @@ pub struct Plan {
     /// Inputs have slopes within a step, where their FMU can follow them.
     #[serde(default)]
     pub interpolate: bool,
+    /// FMUs that this project did not build are asked to log what they do, too.
+    #[serde(default)]
+    pub log: bool,
     /// Signals that are kept of every step; all of them when none are named. Outputs that are
     /// neither kept nor read by an input are not asked for.
     #[serde(default)]

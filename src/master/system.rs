@@ -268,6 +268,7 @@ impl System {
             components,
             coupling: self.coupling,
             interpolate: self.interpolate,
+            log: false,
             script,
             record: None,
         };

@@ -13,14 +13,16 @@ typedef struct {                                   /* Error from FAIL_AT, x is N
     double v[REALS];
     int n[2], b[2]; /* value references: 0 input, 1 output */
     double reached, end; /* last time; u there */
+    fmi2Boolean log; /* it is asked to */
     const fmi2CallbackFunctions *cb;
 } Lag;
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 fmi2Component fmi2Instantiate(fmi2String n, fmi2Type t, fmi2String g, fmi2String r,
     const fmi2CallbackFunctions *cb, fmi2Boolean vis, fmi2Boolean log) {
-    (void)n; (void)t; (void)g; (void)r; (void)vis; (void)log;
+    (void)n; (void)t; (void)g; (void)r; (void)vis;
     Lag *m = calloc(1, sizeof *m);
+    m->log = log;
     m->v[TAU] = 1.0; m->v[FAIL_AT] = 1e9; m->v[NAN_AT] = m->v[REACH] = m->v[MOST] = 1e9; m->cb = cb;
     return m;
 }

@@ -85,7 +85,8 @@ pub struct Instance {
 impl Instance {
     /// Loads the library of an unpacked FMU and makes an instance; what it says goes to `log`. FMUs
     /// that this project built have debug logging on: they tell why they refuse a call, what they
-    /// warn of, and their events. Others may tell of every call: of them only what they say unasked is heard.
+    /// warn of, and their events. Others may tell of every call: of them only what they say unasked is heard, unless
+    /// the log asks for more.
     ///
     /// # Errors
     ///
@@ -105,7 +106,8 @@ impl Instance {
             description.guid.clone(),
             import.canonical_resource_path_string(),
         ];
-        Self::instantiate(binding, texts.map(CString::new), ours(import), log)
+        let speaks = log.turn_on(ours(import));
+        Self::instantiate(binding, texts.map(CString::new), speaks, log)
     }
 
     /// `texts`: name, GUID, place of the resources.

@@ -2,7 +2,7 @@
 
 use crate::calls::Calls;
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Messages of one instance that are kept; one more tells that there were more.
@@ -10,6 +10,10 @@ pub const MESSAGES: usize = 1000;
 
 /// fmi2Warning.
 const WARNING: i32 = 1;
+
+/// fmi2Discard; from there on so many messages are kept of a flood, too: why a call was refused.
+const SEVERE: i32 = 2;
+const ERRORS: usize = 100;
 
 /// A message of an FMU, or of the master about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,14 +37,19 @@ pub struct Log {
     /// Where the calls of its run are told, and the number of its instance there.
     calls: Arc<Calls>,
     number: u32,
+    /// FMUs of others are asked to log, too.
+    asks: bool,
+    /// The instance was not asked to.
+    off: AtomicBool,
 }
 
 impl Log {
-    /// The log of the instance of this number.
-    pub fn new(calls: Arc<Calls>, number: u32) -> Self {
+    /// The log of the instance of this number; `asks` those who may tell of every call to log, too.
+    pub fn new(calls: Arc<Calls>, number: u32, asks: bool) -> Self {
         Self {
             calls,
             number,
+            asks,
             ..Self::default()
         }
     }
@@ -48,6 +57,17 @@ impl Log {
     #[inline]
     pub(crate) fn enter(&self, function: u64) {
         self.calls.enter(self.number, function);
+    }
+
+    /// Whether an instance is to log; one that is `ours` is in any case.
+    pub(crate) fn turn_on(&self, ours: bool) -> bool {
+        self.off.store(!(ours || self.asks), Ordering::Relaxed);
+        ours || self.asks
+    }
+
+    /// Whether its instance was not asked to log.
+    pub fn is_off(&self) -> bool {
+        self.off.load(Ordering::Relaxed)
     }
 
     /// Gives the messages to come their time [s].
@@ -78,9 +98,14 @@ impl Log {
         };
         if messages.len() < MESSAGES {
             messages.push(message(status, category, text));
-        } else if messages.len() == MESSAGES {
+            return;
+        }
+        if messages.len() == MESSAGES {
             let flood = "floods its log: further messages are dropped".to_owned();
             messages.push(message(WARNING, "harness".into(), flood));
+        }
+        if status >= SEVERE && (MESSAGES + 1..=MESSAGES + ERRORS).contains(&messages.len()) {
+            messages.push(message(status, category, text));
         }
     }
 }
@@ -137,6 +162,34 @@ mod tests {
         assert_eq!(messages.len(), MESSAGES + 1);
         assert!(messages[MESSAGES].text.contains("floods its log"));
         assert_eq!(messages[MESSAGES].status, WARNING);
+    }
+
+    #[test]
+    fn why_a_call_was_refused_is_kept_of_a_flood() {
+        let log = Log::default();
+        (0..MESSAGES + 9).for_each(|_| tell(&log, c"again"));
+        for _ in 0..2 * ERRORS {
+            cosim_log(from_ref(&log).cast(), 3, c"".as_ptr(), c"why".as_ptr());
+        }
+        let messages = log.messages();
+        assert_eq!(messages.len(), MESSAGES + 1 + ERRORS);
+        assert_eq!(
+            messages.last().map(|m| (m.status, &*m.text)),
+            Some((3, "why"))
+        );
+    }
+
+    #[test]
+    fn others_log_only_when_they_are_asked_to() {
+        for (asks, ours, expected) in [
+            (false, false, false),
+            (false, true, true),
+            (true, false, true),
+            (true, true, true),
+        ] {
+            let log = Log::new(Arc::default(), 0, asks);
+            assert_eq!((log.turn_on(ours), log.is_off()), (expected, !expected));
+        }
     }
 
     #[test]

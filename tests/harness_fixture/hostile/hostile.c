@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 enum { GOOD, CRASH, HANG, EXIT, FORK, FLOOD, CHDIR, PRINT, MEMORY, DAEMON, ABORT, GARBAGE, CLOSE,
-    IGNORE_TERM, HANG_AT_END };
+    IGNORE_TERM, HANG_AT_END, REFUSE };
 
 static void log_much(Lag *m) {
     for (int k = 0; k < 20000; k++)
@@ -59,8 +59,18 @@ static void misbehave(Lag *m) {
     }
 }
 
+/* It tells of every call when it is asked to log, and of its errors only then. */
+static fmi2Status refused(Lag *m) {
+    const fmi2CallbackFunctions *cb = m->cb;
+    if (!m->log) return fmi2Error;
+    log_much(m);
+    cb->logger(cb->componentEnvironment, "lag", fmi2Error, "logStatusError", "no gear %d", 9);
+    return fmi2Error;
+}
+
 fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean f) {
     if (t >= 0.0995) misbehave(c);
+    if (t >= 0.0995 && ((Lag *)c)->n[0] == REFUSE) return refused(c);
     return lag_step(c, t, h, f);
 }
 fmi2Status fmi2Terminate(fmi2Component c) {

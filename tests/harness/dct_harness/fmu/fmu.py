@@ -38,6 +38,7 @@ STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 DISCARD = 2
 LAST_TIME = 2  # fmi2LastSuccessfulTime
 LAST_MESSAGES = 5
+UNASKED = "; its log is off: --fmu-log lets it say why"
 Failed = Callable[[str, str], HarnessError]  # an error of a function and what it did
 
 
@@ -46,6 +47,7 @@ class Fmu(Ports):
 
     def __init__(self, name: str, path: Path) -> None:
         self.name, self.path = name, path
+        self.asked = False  # to log although we have not built it
         self.log: list[dict[str, Any]] = []
         self.wall_time = 0.0
         self.now = 0.0
@@ -105,10 +107,10 @@ class Fmu(Ports):
         """Instantiate, set parameters and start values, enter initialisation mode.
 
         Our FMUs tell why they refuse a call, what they warn of, and their events; of others, which
-        may tell of every call, only what they say unasked is heard.
+        may tell of every call, only what they say unasked is heard unless `asked`.
         """
         self._call("fmi2Instantiate", lambda: self._slave.instantiate(
-            callbacks=self._callbacks(), loggingOn=self.is_ours))  # fmt: skip
+            callbacks=self._callbacks(), loggingOn=self.is_ours or self.asked))  # fmt: skip
         self._instantiated = True
         for name, value in values.items():
             self._set_start(name, value)
@@ -326,6 +328,8 @@ class Fmu(Ports):
         return FmuRuntimeError(told + self._said())
 
     def _said(self) -> str:
+        if not (self.log or self.asked or self.is_ours):
+            return UNASKED
         last = self.log[-LAST_MESSAGES:]
         return "".join(f"\n  {m['category']}: {m['message']}" for m in last)
 

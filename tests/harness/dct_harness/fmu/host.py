@@ -23,6 +23,7 @@ from typing import Any
 
 HEAD = 3  # float64 before the inputs: t, h, failed call
 MESSAGES = 1000  # kept of one instance; a flood is counted
+SEVERE, ERRORS = 2, 100  # fmi2Discard; so many from there on are kept of a flood, too
 LONGEST = 4000  # bytes of a message
 MORE = 100  # added to a status when there are messages
 FORKED = 50  # status: the FMU has started a process
@@ -54,7 +55,7 @@ class Host:
 
     def __init__(self) -> None:
         self.messages: list[list[Any]] = []
-        self._heard = self.dropped = 0
+        self._heard = self._errors = self.dropped = 0
         self._pid = os.getpid()
         self._component = ctypes.c_void_p()
         self._steered: list[Any] = []
@@ -86,7 +87,8 @@ class Host:
 
     def _log(self, _env: Any, _who: Any, status: int, category: bytes, message: bytes) -> None:
         self._heard += 1
-        if self._heard > MESSAGES:
+        self._errors += self._heard > MESSAGES and status >= SEVERE
+        if self._heard > MESSAGES and not (status >= SEVERE and self._errors <= ERRORS):
             self.dropped += 1
             return
         texts = [(t or b"")[:LONGEST].decode("utf-8", "replace") for t in (category, message)]

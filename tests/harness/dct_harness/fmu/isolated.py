@@ -31,19 +31,23 @@ EXCHANGE = ".dct-harness-exchange"
 class Limits:
     """What a foreign FMU may take: `seconds` per call, `memory` [MiB] beside the interpreter's.
 
-    `isolate` is "foreign", "all" or "none": whose FMUs run in a process of their own.
+    `isolate` is "foreign", "all" or "none": whose FMUs run in a process of their own. `log`: it is
+    asked to log what it does.
     """
 
     seconds: float = 60.0
     memory: float = 4096.0
     isolate: str = "foreign"
+    log: bool = False
 
 
 def load(name: str, path: Path, limits: Limits | None = None) -> Fmu:
     """Load an FMU, in a process of its own unless this project built it."""
     limits = limits or Limits()
     if limits.isolate == "none":
-        return Fmu(name, path)
+        fmu = Fmu(name, path)
+        fmu.asked = limits.log
+        return fmu
     description = described(path)  # kept until the FMU has it as well
     if is_ours(description) and limits.isolate != "all":
         return Fmu(name, path)
@@ -59,6 +63,7 @@ class Isolated(Fmu):
         self._shared: Any = None
         self._dropped, self._moved = 0, False
         super().__init__(name, path)
+        self.asked = limits.log
 
     @property
     def _remote(self) -> Remote:

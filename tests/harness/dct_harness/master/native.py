@@ -109,6 +109,7 @@ class NativeRun(Run):
             "components": [self._component(name) for name in self.fmus],
             "coupling": self.system.coupling,
             "interpolate": self.system.interpolate,
+            "log": self.limits.log,
             "script": [n.removeprefix("scenario.") for n in self.names[: self.script.shape[1]]],
         }
 

@@ -85,8 +85,13 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
                        help="longest time for a call, or for that loop (%(default)g)")  # fmt: skip
     group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
                        help="largest address space of such a process (%(default)g)")  # fmt: skip
+    group.add_argument(
+        "--fmu-log",
+        action="store_true",
+        help="ask them to log what they do: why they refuse a call; may be slow",
+    )
 
 
 def limits(args: argparse.Namespace) -> Limits:
     """Return the limits of the command line."""
-    return Limits(args.call_timeout, args.memory, args.isolate)
+    return Limits(args.call_timeout, args.memory, args.isolate, args.fmu_log)
