@@ -11,7 +11,8 @@
 //! An extended filter. The factors of δ and λ are the filter's own accelerations, not differentiated
 //! measurements, whose noise would bias what is learnt; while a clutch slips they are smoothed as well. T_s has
 //! little noise, so the twist of the drive shaft is what torques are measured against. A slipping clutch moves
-//! with its force, an engaged one with the damper ([`grip`], carry.rs). Parameters walk slowly.
+//! with its force, an engaged one with the damper ([`grip`], carry.rs). Parameters walk slowly. How noisy the speeds are
+//! is heard from the innovations ([`heard`]).
 //!
 //! **What can be told apart, phase by phase.** One clutch engaged, the other open: T_c is known twice, from
 //! the shaft (J_out ω_o' + T_o = g T_c) and from the engine (J_ed (1+δ) ω_e' = T_e + β − T_c). A steady drive
@@ -24,12 +25,12 @@
 //!
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
-//! clutches open, idle (1 s)            0.00   1.00   0.18   1.00   1.00   1.00   1.00
-//! clutch 1 slips: launch               0.12   0.07   0.25   0.28   0.26   0.62   0.23
-//! clutch 1 engages, the shaft swings   0.35   0.15   0.26   0.43   0.26   0.46   0.23
-//! clutch 1 engaged: steady drive       0.95   0.33   0.09   0.96   0.99   0.47   0.32
-//! handover                             0.29   0.07   0.26   0.70   0.52   0.45   0.31
-//! clutch 1 engaged: tip-in             0.70   0.21   0.23   0.39   0.27   0.78   0.27
+//! clutches open, idle (1 s)            0.00   0.96   0.04   1.00   1.00   1.00   1.00
+//! clutch 1 slips: launch               0.04   0.02   0.07   0.08   0.08   0.24   0.22
+//! clutch 1 engages, the shaft swings   0.21   0.12   0.07   0.33   0.18   0.34   0.19
+//! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.98   0.25   0.26
+//! handover                             0.24   0.07   0.23   0.49   0.44   0.37   0.27
+//! clutch 1 engaged: tip-in             0.57   0.15   0.06   0.29   0.17   0.63   0.22
 //! ```
 //!
 //! **What cannot.** All equations are homogeneous: one common factor on torques, inertias, k and c changes no
@@ -41,6 +42,7 @@
 //!
 //! [`grip`]: crate::observer::grip
 //! [`anchor`]: crate::observer::anchor
+//! [`heard`]: crate::observer::heard
 
 use crate::Params;
 use crate::observer::anchor::{Anchor, WITNESSES};
@@ -52,6 +54,7 @@ use crate::observer::filter::{Belief, Terms};
 use crate::observer::friction::SETTLING;
 use crate::observer::friction_map::{FrictionMap, POINTS};
 use crate::observer::grip::{Grip, Hold};
+use crate::observer::heard::Heard;
 use crate::observer::instant::Instant;
 use crate::observer::prior::Prior;
 use crate::observer::standstill::unsure;
@@ -84,7 +87,7 @@ pub struct Gains {
     pub sigma: [f64; PARAMETERS],
     /// What an earlier drive learnt.
     pub prior: Prior,
-    /// Standard deviation of a measured speed [rad/s].
+    /// Standard deviation of a measured speed, at most [rad/s]; how much of it there is the filter hears.
     pub sensor: f64,
     /// Standard deviations of the friction over the position at the start [1], shape (2, 5).
     pub friction: [[f64; POINTS]; 2],
@@ -155,6 +158,8 @@ pub struct Calibrating {
     pub slope: [f64; 2],
     /// Friction over the position of each clutch.
     pub map: [FrictionMap; 2],
+    /// The noise of the speeds.
+    pub heard: Heard,
 }
 
 impl Observer for Calibrating {
@@ -165,6 +170,7 @@ impl Observer for Calibrating {
             map: [0, 1]
                 .map(|i| FrictionMap::new(settings.mu_n[i], settings.calibrating.friction[i])),
             anchor: Anchor::new(settings.calibrating.sigma[0]),
+            heard: Heard::new(settings.calibrating.sensor),
             ..Self::default()
         };
         settings.calibrating.correlate(&mut self.tracker.belief.p);
@@ -191,8 +197,12 @@ impl Observer for Calibrating {
         let standing = self.tracker.held(p, sample, self.view(p, sample).model.c);
         let moving = standing.as_ref().unwrap_or(p);
         self.predict(moving, settings, sample, hold, h);
-        let sensor = settings.calibrating.sensor;
-        self.tracker.correct(p, sample, sensor, WHEEL, h);
+        let believed = settings.calibrating.sensor;
+        let sensor = self.heard.sensor(p, settings, sample, h);
+        self.tracker
+            .correct(p, sample, [sensor, believed], WHEEL, h);
+        self.heard
+            .listen(p.g(sample.gear), self.tracker.innovation, believed, h);
         self.tracker.remember(p, sample, hold, h);
         let bounded = self.project();
         let monitor = &mut self.tracker.monitor;
@@ -212,6 +222,7 @@ impl Observer for Calibrating {
         self.grip.visit(visit);
         self.slope.iter_mut().for_each(&mut *visit);
         self.map.iter_mut().for_each(|map| map.visit(visit));
+        self.heard.visit(visit);
     }
 }
 

@@ -189,7 +189,7 @@ impl Encoders {
     }
 
     /// The sample `h` [s] after the last one with the speeds that its counts mean, and the settings with the
-    /// deviation that a filter has to believe; nothing if no speed is counted.
+    /// deviation that a filter has to believe and the ticks that were recognised; nothing if no speed is counted.
     pub fn step(
         &mut self,
         settings: &Settings,
@@ -204,11 +204,11 @@ impl Encoders {
         if !usable {
             return None;
         }
-        let (mut omega, mut sigma) = (speeds(sample), 0.0_f64);
-        for (j, told) in settings.encoder.into_iter().enumerate() {
-            let ticks = self.ticks(j, told, omega[j], h);
-            if ticks > 0.0 {
-                let told = self.sensors[j].step(TAU / ticks, JERK[j], omega[j], h);
+        let (mut omega, mut sigma, mut encoder) = (speeds(sample), 0.0_f64, settings.encoder);
+        for (j, ticks) in encoder.iter_mut().enumerate() {
+            *ticks = self.ticks(j, *ticks, omega[j], h);
+            if *ticks > 0.0 {
+                let told = self.sensors[j].step(TAU / *ticks, JERK[j], omega[j], h);
                 (omega[j], sigma) = (told[0], sigma.max(told[1]));
             }
         }
@@ -216,7 +216,10 @@ impl Encoders {
             return None;
         }
         let [omega_e, one, two, omega_w] = omega;
-        let mut settings = *settings;
+        let mut settings = Settings {
+            encoder,
+            ..*settings
+        };
         settings.kalman.sigma = settings.kalman.sigma.max(sigma);
         settings.calibrating.sensor = settings.calibrating.sensor.max(sigma);
         let sample = Sample {

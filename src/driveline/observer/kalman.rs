@@ -135,7 +135,7 @@ impl Observer for Kalman {
         let standing = self.tracker.held(p, sample, p.c_o);
         self.predict(standing.as_ref().unwrap_or(p), settings, sample, hold, h);
         let sigma = settings.kalman.sigma;
-        self.tracker.correct(p, sample, sigma, WHEEL, h);
+        self.tracker.correct(p, sample, [sigma; 2], WHEEL, h);
         self.tracker.remember(p, sample, hold, h);
         let model = self.model(p, sample);
         self.tracker.watch(p, settings, sample, &model, h);

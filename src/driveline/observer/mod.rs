@@ -26,6 +26,7 @@ mod filter;
 pub mod friction;
 pub mod friction_map;
 pub mod grip;
+pub mod heard;
 pub mod instant;
 pub mod kalman;
 pub mod lever;

@@ -60,8 +60,8 @@ pub struct Tracker<const N: usize> {
     pub monitor: Monitor,
     /// g of the last sample.
     pub g: [f64; 2],
-    /// Mean over the speeds of innovation² over its expected variance [1], through a low pass: 1 where the
-    /// filter is right about itself.
+    /// Mean over the speeds of innovation² over its variance [1], as with the noise that is believed, through a low pass:
+    /// 1 where the filter is right about itself, less where speeds are quieter.
     pub surprise: f64,
 }
 
@@ -135,9 +135,16 @@ impl<const N: usize> Tracker<N> {
         }
     }
 
-    /// Corrects by every speed, of deviation `sensor` [rad/s], and by clutches that are open, `h` [s] after
-    /// the last ones.
-    pub fn correct(&mut self, p: &Params, sample: &Sample, sensor: f64, wheel: Terms<'_>, h: f64) {
+    /// Corrects by every speed, of deviation `sensor` of the one that is `believed` [rad/s], and by clutches that are
+    /// open, `h` [s] after the last ones.
+    pub fn correct(
+        &mut self,
+        p: &Params,
+        sample: &Sample,
+        [sensor, believed]: [f64; 2],
+        wheel: Terms<'_>,
+        h: f64,
+    ) {
         let (g, r, before) = (p.g(sample.gear), sensor * sensor, self.belief.x);
         self.innovation = [
             sample.omega_e - before[W_E],
@@ -151,7 +158,9 @@ impl<const N: usize> Tracker<N> {
             count += 1.0;
         }
         normalised += self.measure(wheel, sample.omega_w, r);
-        self.surprise += (normalised / count - self.surprise) * (h / (h + MEMORY));
+        let quiet = sensor / believed;
+        let expected = normalised * quiet * quiet / count;
+        self.surprise += (expected - self.surprise) * (h / (h + MEMORY));
         for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
             if !pressed {
                 self.measure(&[(T_C + i, 1.0)], 0.0, OPEN * OPEN);

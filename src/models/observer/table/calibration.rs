@@ -259,7 +259,7 @@ pub(super) const ANCHORS: [Variable<Observer>; 13] = [
         "gain.calibrating.sensor",
         U::RADIAN_PER_SECOND,
         |m: &mut Observer| &mut m.settings.calibrating.sensor,
-        "Standard deviation of a measured speed, calibrating",
+        "Largest standard deviation of a measured speed, calibrating: how much of it there is the filter hears",
     )
     .min(super::gains::SENSOR)
     .tunable(),
