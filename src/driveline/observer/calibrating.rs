@@ -26,11 +26,11 @@
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
 //! clutches open, idle (1 s)            0.00   0.96   0.04   1.00   1.00   1.00   1.00
-//! clutch 1 slips: launch               0.04   0.02   0.07   0.08   0.08   0.24   0.22
-//! clutch 1 engages, the shaft swings   0.21   0.12   0.07   0.33   0.18   0.34   0.19
-//! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.98   0.25   0.26
-//! handover                             0.24   0.07   0.23   0.49   0.44   0.37   0.27
-//! clutch 1 engaged: tip-in             0.57   0.15   0.06   0.29   0.17   0.63   0.22
+//! clutch 1 slips: launch               0.03   0.02   0.06   0.07   0.07   0.22   0.11
+//! clutch 1 engages, the shaft swings   0.17   0.09   0.06   0.24   0.13   0.25   0.12
+//! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.97   0.25   0.15
+//! handover                             0.20   0.05   0.20   0.47   0.34   0.36   0.18
+//! clutch 1 engaged: tip-in             0.56   0.15   0.06   0.28   0.16   0.63   0.16
 //! ```
 //!
 //! **What cannot.** All equations are homogeneous: one common factor on torques, inertias, k and c changes no
@@ -96,7 +96,7 @@ pub struct Gains {
 impl Gains {
     /// Per second, so for every step.
     pub const DEFAULT: Self = Self {
-        q: [0.1, 2000.0, 1e-6, 0.5],
+        q: [0.1, 500.0, 1e-6, 0.5],
         walk: [1e-5, 1e-7, 1e-9, 1e-8, 1e-8, 1e-8, 1e-8],
         sigma: [0.06, 3.0, 0.3, 0.02, 0.1, 0.2, 0.1, 0.2],
         prior: Prior::NONE,

@@ -150,6 +150,25 @@ fn noise_costs_little() {
     }
 }
 
+/// Of 20 seeds, T_o in the middle keeps the goal of 2.5 %, the worst does not: what q_v leaves of what noise does to λ.
+#[test]
+fn noise_costs_little_of_the_drive_shaft_where_it_is_hardest_to_tell() {
+    const WORST: f64 = 3.3;
+    for scenario in [scenarios::creep(), scenarios::kick_down()] {
+        let drive = scenario.drive(H);
+        let mut t_o: Vec<f64> = (1..=20)
+            .map(|seed| run(Method::Calibrating, &drive, |_| {}, noisy(0.1, seed)).0[2])
+            .collect();
+        t_o.sort_by(f64::total_cmp);
+        println!("{}: {t_o:.2?} %", drive.name);
+        assert!(
+            t_o[10] < NOISY[2] && t_o[19] < WORST,
+            "{}: {t_o:.2?} %",
+            drive.name
+        );
+    }
+}
+
 #[test]
 fn an_error_of_inertia_costs_nothing_at_100_hz() {
     let drive = scenarios::paper().drive(1e-2);
