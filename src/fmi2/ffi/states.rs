@@ -2,6 +2,7 @@
 
 use super::pointer::{place, slice, slice_mut};
 use super::{Library, Status, handed_out};
+use crate::handle::Entered;
 use crate::saved::Saved;
 use crate::{Call, Error, Model};
 use core::ffi::c_void;
@@ -25,20 +26,28 @@ impl<M: Model> Library<M> {
         })
     }
 
-    /// `fmi2FreeFMUstate`: a NULL state is none.
+    /// `fmi2FreeFMUstate`: a NULL state is none. Also takes the state itself where FMI wants its address, as
+    /// fmusim 0.0.39 hands it over: a token must not be followed.
     pub unsafe fn free_state(&self, component: *mut c_void, state: *mut *mut c_void) -> Status {
         self.enter(component, Call::FreeFMUstate, |instance, _| {
             instance.permit(Call::FreeFMUstate)?;
+            if let Some(entered) = self.states.enter(state.addr()) {
+                self.drop_state(entered);
+                return Ok(());
+            }
             // SAFETY: the importer's promise.
             let state = unsafe { place("FMUstate", state)? };
             if !state.is_null() {
-                let entered = self.states.enter(state.addr()).ok_or(Error::State)?;
+                self.drop_state(self.states.enter(state.addr()).ok_or(Error::State)?);
                 *state = null_mut();
-                // SAFETY: made from a `Box` by `put_state`; nobody finds it any more.
-                drop(unsafe { Box::from_raw(self.states.give_back(entered)) });
             }
             Ok(())
         })
+    }
+
+    fn drop_state(&self, entered: Entered<'_, Saved<M>>) {
+        // SAFETY: made from a `Box` by `put_state`; nobody finds it any more.
+        drop(unsafe { Box::from_raw(self.states.give_back(entered)) });
     }
 
     /// `fmi2SerializedFMUstateSize`.

@@ -260,6 +260,20 @@ fn an_instance_that_was_freed_is_refused_however_often_it_comes_back() {
 }
 
 #[test]
+fn a_state_in_place_of_its_address_is_freed_once_and_never_followed() {
+    let c = running();
+    let mut state = null_mut();
+    // SAFETY: a live component and a place of our own; what is no address is what is tested.
+    unsafe {
+        assert_eq!(FMU.get_state(c, &mut state), Status::Ok);
+        assert_eq!(FMU.free_state(c, state.cast()), Status::Ok);
+        assert_eq!(FMU.set_state(c, state), Status::Error);
+        assert_eq!(FMU.free_state(c, &mut state), Status::Error);
+    }
+    free(c);
+}
+
+#[test]
 fn a_state_that_was_freed_is_refused() {
     let c = running();
     let mut state = null_mut();
