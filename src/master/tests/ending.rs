@@ -4,6 +4,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test fails by panicking
 
+use cosim_master::Seconds;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
@@ -48,6 +49,7 @@ fn ended(folder: &Path, done: &Output, code: i32, why: &str) {
     let rows: Vec<&str> = table.lines().skip(1).collect();
     assert!((1..SAMPLES).contains(&rows.len()), "{} rows", rows.len());
     let last = rows.last().and_then(|row| row.split(',').next()).unwrap();
+    let last = Seconds(last.parse().unwrap());
     assert_eq!(
         told.trim_end(),
         format!("cosim: stopped at t = {last} s: {why}")
