@@ -1,11 +1,11 @@
 //! FMU files: ZIP archives whose bytes depend on their contents only.
 
 use crate::{Error, Result};
-use std::fs;
+use std::fs::{self, File};
 use std::io::{Cursor, Read as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 /// Writes `members` (name in the archive, contents) to `path`, replacing it in one step.
 ///
@@ -34,32 +34,68 @@ fn zipped(mut members: Vec<(String, Vec<u8>)>) -> zip::result::ZipResult<Vec<u8>
     Ok(writer.finish()?.into_inner())
 }
 
+/// The member that makes an archive an FMU.
+pub(crate) const DESCRIPTION: &str = "modelDescription.xml";
+
 /// Largest FMU that is read into memory, unpacked [bytes].
 const LARGEST: u64 = 1 << 30;
+
+/// Opens an FMU of any origin.
+///
+/// # Errors
+/// When the file cannot be read or is no ZIP archive.
+pub(crate) fn open(path: &Path) -> Result<ZipArchive<File>> {
+    ZipArchive::new(file(path)?).map_err(Error::zip(path))
+}
+
+/// Opens the file of an FMU.
+///
+/// # Errors
+/// When it cannot be read; of a folder the error tells what to do.
+pub(crate) fn file(path: &Path) -> Result<File> {
+    if path.is_dir() {
+        return Err(Error::Folder {
+            path: path.into(),
+            remedy: remedy(path),
+        });
+    }
+    File::open(path).map_err(Error::io(path))
+}
+
+/// What to do where `folder` was given for an FMU.
+fn remedy(folder: &Path) -> String {
+    if folder.join(DESCRIPTION).is_file() {
+        let name = folder.file_name().unwrap_or("packed".as_ref()).display();
+        let folder = folder.display();
+        return format!(
+            "what is in it is one unpacked; pack it with `(cd {folder} && zip -r ../{name}.fmu .)`"
+        );
+    }
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let paths = entries.map(|entry| entry.path());
+    let is_fmu = |path: &PathBuf| path.extension().is_some_and(|end| end == "fmu");
+    match paths.filter(is_fmu).min() {
+        Some(fmu) => format!("name the file in it, {}", fmu.display()),
+        None => format!("an FMU is a file NAME.fmu, a ZIP archive with {DESCRIPTION} at its top"),
+    }
+}
 
 /// Reads all files of an archive.
 ///
 /// # Errors
 /// When the file cannot be read, is no ZIP archive, or unpacks to more than 1 GiB.
 pub(crate) fn members(path: &Path) -> Result<Vec<(String, Vec<u8>)>> {
-    let io = |source| Error::Io {
-        path: path.into(),
-        source,
-    };
-    let zip = |source| Error::Zip {
-        path: path.into(),
-        source,
-    };
-    let file = fs::File::open(path).map_err(io)?;
-    let mut archive = zip::ZipArchive::new(file).map_err(zip)?;
+    let mut archive = open(path)?;
     let (mut members, mut room) = (Vec::new(), LARGEST);
     for index in 0..archive.len() {
-        let member = archive.by_index(index).map_err(zip)?;
+        let member = archive.by_index(index).map_err(Error::zip(path))?;
         if member.is_dir() {
             continue;
         }
-        let (name, mut bytes) = (member.name().map_err(zip)?.into_owned(), Vec::new());
-        member.take(room + 1).read_to_end(&mut bytes).map_err(io)?;
+        let name = member.name().map_err(Error::zip(path))?.into_owned();
+        let mut bytes = Vec::new();
+        let read = member.take(room + 1).read_to_end(&mut bytes);
+        read.map_err(Error::io(path))?;
         let size = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
         let rest = room.checked_sub(size);
         room = rest.ok_or(Error::TooLarge { limit: LARGEST })?;
@@ -106,10 +142,29 @@ mod tests {
     #[test]
     fn entries_are_sorted_deflated_and_dated_1980() {
         let bytes = zipped(members(&["b", "a"])).unwrap();
-        let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+        let mut archive = ZipArchive::new(Cursor::new(bytes)).unwrap();
         let first = archive.by_index(0).unwrap();
         assert_eq!(first.name().unwrap(), "a");
         assert_eq!(first.compression(), CompressionMethod::Deflated);
         assert_eq!(first.last_modified().unwrap().year(), 1980);
+    }
+
+    #[test]
+    fn of_a_folder_the_error_tells_what_to_do() {
+        let folder = std::env::temp_dir().join(format!("archive-{}-folder", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let said = || crate::check(&folder).err().unwrap().to_string();
+        let shown = folder.display();
+        assert!(said().contains(&format!(
+            "{shown} is a folder, not an FMU: an FMU is a file"
+        )));
+        for name in ["b.fmu", "a.fmu", "0.txt"] {
+            fs::write(folder.join(name), "").unwrap();
+        }
+        assert!(said().ends_with(&format!("name the file in it, {shown}/a.fmu")));
+        fs::write(folder.join(DESCRIPTION), "").unwrap();
+        let name = folder.file_name().unwrap().display();
+        assert!(said().contains(&format!("`(cd {shown} && zip -r ../{name}.fmu .)`")));
+        fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -1,5 +1,6 @@
 //! What can go wrong, one variant per cause; each text says what to do where something can be done.
 
+use crate::suggest::did_you_mean;
 use fmi2_cosim::Seconds;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -61,6 +62,18 @@ pub enum Error {
         path: PathBuf,
         /// What the system said.
         source: io::Error,
+    },
+    /// A folder stands where an FMU is expected.
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What to do instead.
+        remedy: String,
+    },
+    /// A system is to be made of an FMU that was not built.
+    NotBuilt {
+        /// The FMU.
+        path: PathBuf,
     },
     /// A file is not a readable ZIP archive, or could not be written as one.
     Zip {
@@ -230,8 +243,9 @@ impl fmt::Display for Error {
             }
             Self::UnknownModel { name, known } => write!(
                 f,
-                "there is no model {name}; the models are {}",
-                known.join(", ")
+                "there is no model {name}; the models are {}{}",
+                known.join(", "),
+                did_you_mean(name, known.iter().copied())
             ),
             Self::Stale { files } => {
                 writeln!(f, "out of date:")?;
@@ -243,6 +257,17 @@ impl fmt::Display for Error {
             Self::Model(error) => write!(f, "{error}"),
             Self::ParameterSet { fault } => write!(f, "parameter set: {fault}"),
             Self::Io { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Folder { path, remedy } => {
+                write!(f, "{} is a folder, not an FMU: {remedy}", path.display())
+            }
+            Self::NotBuilt { path } => {
+                let folder = path.parent().unwrap_or(path).display();
+                write!(
+                    f,
+                    "there is no {}; `cargo fmu build --out {folder}` makes it",
+                    path.display()
+                )
+            }
             Self::Zip { path, source } => write!(f, "{}: {source}", path.display()),
             Self::UnsafeMember { name } => {
                 write!(

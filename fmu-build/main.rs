@@ -5,7 +5,8 @@
 use clap::{Parser, Subcommand};
 use fmu_build::binary::Version;
 use fmu_build::library::Target;
-use fmu_build::{Options, Report};
+use fmu_build::models::MODELS;
+use fmu_build::{Entry, Options, Report};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -91,7 +92,8 @@ enum Command {
     #[command(after_help = BUILD)]
     Build {
         /// Models to build, e.g. DctPlant; all when none is named.
-        models: Vec<String>,
+        #[arg(value_parser = fmu_build::models::find)]
+        models: Vec<&'static Entry>,
         /// Folder for the FMUs [default: target/fmu of the workspace].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
@@ -251,7 +253,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
 }
 
 fn build(
-    models: &[String],
+    models: &[&'static Entry],
     out: Option<PathBuf>,
     targets: &[String],
     small: bool,
@@ -267,7 +269,8 @@ fn build(
     if small {
         targets = targets.into_iter().map(Target::small).collect();
     }
-    for entry in fmu_build::models::select(models)? {
+    let all: Vec<_> = MODELS.iter().collect();
+    for entry in if models.is_empty() { &all } else { models } {
         print_paths(&[fmu_build::build_for(entry, &targets, &out)?])?;
     }
     Ok(())
@@ -352,5 +355,12 @@ mod tests {
             let parsed = Arguments::try_parse_from(std::iter::once("fmu-build").chain(words));
             assert!(parsed.is_ok(), "{example}");
         }
+    }
+    #[test]
+    fn a_misspelt_model_is_an_error_of_usage() {
+        let parsed = Arguments::try_parse_from(["fmu-build", "build", "DctPlnt"]);
+        let error = parsed.err().unwrap();
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("did you mean 'DctPlant'?"));
     }
 }

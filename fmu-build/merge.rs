@@ -1,12 +1,9 @@
 //! FMUs of one model, each for other platforms, become one.
 
-use crate::archive::members;
+use crate::archive::{DESCRIPTION, members};
 use crate::content::{Members, with_dependencies};
 use crate::{Error, Result, package};
 use std::path::{Path, PathBuf};
-
-/// The member that says what FMU it is.
-const DESCRIPTION: &str = "modelDescription.xml";
 
 /// Writes the FMU that holds the libraries of all of `fmus` to `path`, which may be one of them.
 ///

@@ -104,20 +104,33 @@ pub fn names() -> Vec<&'static str> {
     MODELS.iter().map(|entry| entry.name).collect()
 }
 
-/// The models of these names; all when none is named.
+/// The model of this name.
 ///
 /// # Errors
-/// When there is no model of a name.
-pub fn select(names: &[String]) -> Result<Vec<&'static Entry>> {
-    if names.is_empty() {
-        return Ok(MODELS.iter().collect());
+/// When there is none; the error tells which name was probably meant.
+pub fn find(name: &str) -> Result<&'static Entry> {
+    let entry = MODELS.iter().find(|entry| entry.name == name);
+    entry.ok_or_else(|| Error::UnknownModel {
+        name: name.to_owned(),
+        known: names(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_is_found_by_its_name_and_a_slip_of_the_pen_is_told() {
+        for name in names() {
+            assert_eq!(find(name).unwrap().name, name);
+        }
+        let said = |name| find(name).err().unwrap().to_string();
+        let known = "the models are DctPlant, DctObserver, DctClutchControl";
+        assert_eq!(
+            said("DctPlnt"),
+            format!("there is no model DctPlnt; {known}; did you mean 'DctPlant'?")
+        );
+        assert_eq!(said("Engine"), format!("there is no model Engine; {known}"));
     }
-    let find = |name: &String| {
-        let entry = MODELS.iter().find(|entry| entry.name == name);
-        entry.ok_or_else(|| Error::UnknownModel {
-            name: name.clone(),
-            known: self::names(),
-        })
-    };
-    names.iter().map(find).collect()
 }

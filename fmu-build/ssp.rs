@@ -8,6 +8,7 @@ use crate::xml::Element;
 use crate::{Entry, Error, Result, package};
 use fmi2_cosim::{Enumeration, Unit};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructure";
@@ -37,9 +38,12 @@ pub fn write(path: &Path, name: &str, components: &[Component], fmus: &Path) -> 
     for component in components {
         let file = format!("{}.fmu", component.entry.name);
         let source = fmus.join(&file);
-        let bytes = fs::read(&source).map_err(|error| Error::Io {
-            path: source,
-            source: error,
+        let bytes = fs::read(&source).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => Error::NotBuilt { path: source },
+            _ => Error::Io {
+                path: source,
+                source: error,
+            },
         })?;
         members.push((format!("resources/{file}"), bytes));
     }
@@ -205,4 +209,25 @@ fn unit(unit: &Unit) -> Element {
     Element::new("ssc:Unit")
         .with("name", unit.name)
         .holding([base])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::{CLOSED_LOOP, COMPONENTS};
+
+    #[test]
+    fn where_the_fmus_are_not_built_the_error_tells_what_builds_them() {
+        let folder = std::env::temp_dir().join(format!("ssp-{}-missing", std::process::id()));
+        let path = folder.join("loop.ssp");
+        let error = write(&path, CLOSED_LOOP, COMPONENTS, &folder)
+            .err()
+            .unwrap();
+        let shown = folder.display();
+        assert_eq!(
+            error.to_string(),
+            format!("there is no {shown}/DctPlant.fmu; `cargo fmu build --out {shown}` makes it")
+        );
+        assert!(!folder.exists());
+    }
 }

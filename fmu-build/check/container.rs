@@ -3,7 +3,9 @@
 //! Read from the central directory, byte by byte: a library for archives hides what it can handle.
 
 use super::Report;
+use crate::{Error, Result, archive};
 use std::collections::BTreeSet;
+use std::io::Read as _;
 use std::path::Path;
 
 const DIRECTORY_END: &[u8] = b"PK\x05\x06";
@@ -25,8 +27,10 @@ struct Entry<'a> {
 }
 
 /// Checks the archive at `path`.
-pub(super) fn check(path: &Path, report: &mut Report) -> crate::Result<()> {
-    let bytes = std::fs::read(path).map_err(crate::Error::io(path))?;
+pub(super) fn check(path: &Path, report: &mut Report) -> Result<()> {
+    let mut bytes = Vec::new();
+    let read = archive::file(path)?.read_to_end(&mut bytes);
+    read.map_err(Error::io(path))?;
     judge(&entries(&bytes), report);
     Ok(())
 }

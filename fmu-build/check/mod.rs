@@ -19,6 +19,7 @@ mod text;
 mod trace;
 mod unpack;
 
+use crate::archive::DESCRIPTION;
 use crate::binary::Version;
 use crate::{Result, library};
 use parsed::Description;
@@ -33,8 +34,6 @@ use unpack::Unpacked;
 
 pub use probe::probe;
 pub use replay::{Replay, replay};
-
-const DESCRIPTION: &str = "modelDescription.xml";
 
 /// How the generation tool of our own FMUs begins.
 const PACKER: &str = concat!(env!("CARGO_PKG_NAME"), " ");

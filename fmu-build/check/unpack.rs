@@ -1,6 +1,6 @@
 //! Unpacks an FMU that nobody vouches for.
 
-use crate::{Error, Result};
+use crate::{Error, Result, archive};
 use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -22,8 +22,7 @@ pub(crate) struct Unpacked {
 impl Unpacked {
     /// Unpacks the FMU at `path` after every member was found to stay inside the folder, and within bounds.
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(Error::io(path))?;
-        let mut archive = ZipArchive::new(file).map_err(Error::zip(path))?;
+        let mut archive = archive::open(path)?;
         check_members(path, &mut archive)?;
         let unpacked = Self {
             folder: new_folder()?,
