@@ -95,6 +95,15 @@ def _measured(loop: Results, moved: str) -> dict[str, np.ndarray]:
     return columns
 
 
+@pytest.mark.parametrize("system", MOVED)
+def test_the_readmes_measurements_are_what_the_observer_takes(loops: Runs, system: str) -> None:
+    loop = loops(system)
+    done = _done(sys.executable, EXAMPLE / "measured.py", loops.folder(system))
+    said = np.genfromtxt(io.StringIO(done.stdout), delimiter=",", names=True, deletechars="")
+    for name, column in _measured(loop, MOVED[system]).items():
+        assert np.array_equal(said[name], column), name
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("system", MOVED)
 def test_c_and_fmu_give_the_same_bits(replay: Path, loops: Runs, system: str, method: str) -> None:
