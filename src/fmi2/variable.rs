@@ -189,6 +189,17 @@ impl<M> Variable<M> {
         Self::new(name, description, DISCRETE_INPUT, Access::Boolean(field))
     }
 
+    /// An Enumeration input, discrete.
+    pub const fn enumeration_input(
+        name: &'static str,
+        kind: &'static Enumeration,
+        field: fn(&mut M) -> &mut i32,
+        description: &'static str,
+    ) -> Self {
+        let access = Access::Enumeration(field, kind);
+        Self::new(name, description, DISCRETE_INPUT, access)
+    }
+
     /// A Real parameter, fixed.
     pub const fn parameter(
         name: &'static str,
@@ -197,6 +208,15 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         Self::new(name, description, PARAMETER, Access::Real(field)).unit(unit)
+    }
+
+    /// An Integer parameter, fixed.
+    pub const fn integer_parameter(
+        name: &'static str,
+        field: fn(&mut M) -> &mut i32,
+        description: &'static str,
+    ) -> Self {
+        Self::new(name, description, PARAMETER, Access::Integer(field))
     }
 
     /// A Boolean parameter, fixed.
@@ -215,12 +235,8 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut i32,
         description: &'static str,
     ) -> Self {
-        Self::new(
-            name,
-            description,
-            PARAMETER,
-            Access::Enumeration(field, kind),
-        )
+        let access = Access::Enumeration(field, kind);
+        Self::new(name, description, PARAMETER, access)
     }
 
     /// A Real output, continuous.
@@ -231,6 +247,15 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         Self::new(name, description, CONTINUOUS_OUTPUT, Access::Real(field)).unit(unit)
+    }
+
+    /// An Integer output, discrete.
+    pub const fn integer_output(
+        name: &'static str,
+        field: fn(&mut M) -> &mut i32,
+        description: &'static str,
+    ) -> Self {
+        Self::new(name, description, DISCRETE_OUTPUT, Access::Integer(field))
     }
 
     /// A Boolean output, discrete.
@@ -249,12 +274,8 @@ impl<M> Variable<M> {
         field: fn(&mut M) -> &mut i32,
         description: &'static str,
     ) -> Self {
-        Self::new(
-            name,
-            description,
-            DISCRETE_OUTPUT,
-            Access::Enumeration(field, kind),
-        )
+        let access = Access::Enumeration(field, kind);
+        Self::new(name, description, DISCRETE_OUTPUT, access)
     }
 
     const fn unit(mut self, unit: Unit) -> Self {
@@ -286,8 +307,21 @@ impl<M> Variable<M> {
         self
     }
 
+    /// Makes a Real input or output discrete: it changes at communication points only.
+    pub const fn discrete(mut self) -> Self {
+        self.variability = Variability::Discrete;
+        self
+    }
+
     /// Makes an output a local variable: shown to people, not offered for connection.
+    ///
+    /// # Panics
+    /// For anything but an output: in a table that is a fault which the compiler reports.
     pub const fn local(mut self) -> Self {
+        assert!(
+            matches!(self.causality, Causality::Output),
+            "only an output can be made local"
+        );
         self.causality = Causality::Local;
         self
     }

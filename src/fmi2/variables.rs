@@ -1,23 +1,38 @@
 //! One table for the fields of a model, their start values and their rows.
 
-/// Defines a model whose variables are all Real, with its `Default` and a table `TABLE` of its variables.
+/// Defines a model all of whose fields are variables, with its `Default` and a table `TABLE` of them.
 ///
 /// A line is a field, its row in the words of [`Variable`](crate::Variable) without the field, and its start
-/// value in SI units. Models with other types or hidden states write struct, `Default` and table themselves.
+/// value, of a Real in SI units. The row tells the field's type: `f64`, `i32` for those of Integers and
+/// enumerations, `bool`. A model with hidden states writes struct, `Default` and table itself.
 ///
 /// ```
-/// use fmi2_cosim::Unit;
+/// use fmi2_cosim::{Enumeration, Item, Unit};
+///
+/// const LID: Enumeration = Enumeration {
+///     name: "Lid",
+///     description: "What lies on the bucket",
+///     items: &[
+///         Item { name: "none", value: 0, description: "It is open" },
+///         Item { name: "closed", value: 1, description: "Nothing comes in" },
+///     ],
+/// };
 ///
 /// fmi2_cosim::variables! {
 ///     /// A bucket.
 ///     pub struct Bucket {
 ///         inflow: input("valve.flow", Unit::ONE, "what comes in").min(0.0) = 0.0,
+///         lid: enumeration_parameter("bucket.lid", &LID, "what lies on it").tunable() = 0,
 ///         content: output("bucket.content", Unit::ONE, "what is in it").depends_on(&[]) = 0.5,
+///         spills: integer_output("bucket.spills", "how often it ran over").depends_on(&[]) = 0,
+///         full: boolean_output("bucket.full", "no more goes in").depends_on(&[]).local() = false,
 ///     }
 /// }
 ///
-/// assert_eq!(Bucket::default().content, 0.5);
-/// assert_eq!(Bucket::TABLE[1].name, "bucket.content");
+/// let bucket = Bucket::default();
+/// assert_eq!((bucket.content, bucket.lid, bucket.full), (0.5, 0, false));
+/// assert_eq!(Bucket::TABLE[2].name, "bucket.content");
+/// fmi2_cosim::check(Bucket::TABLE);
 /// ```
 #[macro_export]
 macro_rules! variables {
@@ -25,15 +40,15 @@ macro_rules! variables {
         $(#[$about:meta])*
         $public:vis struct $model:ident {
             $(
-                $field:ident: $row:ident($name:expr, $unit:expr, $description:expr)
-                    $(.$more:ident($value:expr))* = $start:expr
+                $field:ident: $row:ident($($said:expr),* $(,)?)
+                    $(.$more:ident($($value:expr)?))* = $start:expr
             ),* $(,)?
         }
     ) => {
         $(#[$about])*
         #[derive(Clone)]
         $public struct $model {
-            $($field: f64),*
+            $($field: $crate::type_of_row!($row)),*
         }
 
         impl Default for $model {
@@ -45,10 +60,53 @@ macro_rules! variables {
         impl $model {
             /// One row for each variable.
             $public const TABLE: &'static [$crate::Variable<Self>] = &[
-                $($crate::Variable::$row($name, $unit, |model: &mut Self| &mut model.$field, $description)
-                    $(.$more($value))*),*
+                $($crate::row_of_field!($field: $row($($said),*)) $(.$more($($value)?))*),*
             ];
         }
+    };
+}
+
+/// The type of a field by the constructor of its row.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! type_of_row {
+    (input) => {
+        f64
+    };
+    (parameter) => {
+        f64
+    };
+    (output) => {
+        f64
+    };
+    (boolean_input) => {
+        bool
+    };
+    (boolean_parameter) => {
+        bool
+    };
+    (boolean_output) => {
+        bool
+    };
+    ($integer_or_enumeration:ident) => {
+        i32
+    };
+}
+
+/// A row without limits and the like; of a Real with its unit, of an enumeration with its type.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! row_of_field {
+    ($field:ident: $row:ident($name:expr, $what:expr, $description:expr)) => {
+        $crate::Variable::$row(
+            $name,
+            $what,
+            |model: &mut Self| &mut model.$field,
+            $description,
+        )
+    };
+    ($field:ident: $row:ident($name:expr, $description:expr)) => {
+        $crate::Variable::$row($name, |model: &mut Self| &mut model.$field, $description)
     };
 }
 
