@@ -1,13 +1,15 @@
 //! Faults of a table that the compiler reports: a wrong table does not become an FMU.
 
-use crate::{Access, Causality, Variable};
+use crate::{Access, Causality, Enumeration, Variability, Variable};
 
 /// Fails to compile, when called in a constant, if the table contradicts itself.
 ///
 /// # Panics
-/// For more than 8192 rows, a name that is empty or used twice, `min` above `max`, an output without `depends_on`, a
-/// dependency that is no variable, a rate of anything but a Real input, and a slope of anything
-/// but a Real output.
+/// For more than 8192 rows, a name that is empty or used twice, `min` above `max`, limits of what has none, an
+/// enumeration whose items do not ascend, an output without `depends_on`, a dependency that is no input (an initial
+/// one: no input or parameter), a rate of anything but a continuous Real input, a slope of anything but a continuous
+/// Real output, and for `tunable`, `discrete`, `on_demand`, `depends_on` and `initially_depends_on` on a row that
+/// cannot be that.
 pub const fn check<M>(rows: &[Variable<M>]) {
     assert!(
         rows.len() <= crate::row::MOST,
@@ -23,11 +25,12 @@ pub const fn check<M>(rows: &[Variable<M>]) {
         );
         check_limits(row);
         check_roles(row);
+        check_derivatives(row);
         if let Some(names) = row.dependencies {
-            check_names(rows, names);
+            check_names(rows, names, false);
         }
         if let Some(names) = row.initial_dependencies {
-            check_names(rows, names);
+            check_names(rows, names, true);
         }
         index += 1;
     }
@@ -37,32 +40,82 @@ const fn check_limits<M>(row: &Variable<M>) {
     if let (Some(min), Some(max)) = (row.min, row.max) {
         assert!(min <= max, "a variable's min is above its max");
     }
+    let limited = row.min.is_some() || row.max.is_some();
+    assert!(
+        !limited || matches!(row.access, Access::Real(_) | Access::Integer(_)),
+        "limits belong to a Real or an Integer"
+    );
+    if let Access::Enumeration(_, kind) = row.access {
+        check_items(kind);
+    }
+}
+
+const fn check_items(kind: &Enumeration) {
+    assert!(!kind.items.is_empty(), "an enumeration has no items");
+    let mut index = 1;
+    while index < kind.items.len() {
+        assert!(
+            kind.items[index - 1].value < kind.items[index].value,
+            "the values of an enumeration do not ascend"
+        );
+        index += 1;
+    }
 }
 
 const fn check_roles<M>(row: &Variable<M>) {
     let real = matches!(row.access, Access::Real(_));
-    let input = matches!(row.causality, Causality::Input);
-    let output = matches!(row.causality, Causality::Output);
+    let computed = matches!(row.causality, Causality::Output | Causality::Local);
+    let changes = match row.variability {
+        Variability::Fixed | Variability::Tunable => false,
+        Variability::Discrete => true,
+        Variability::Continuous => real,
+    };
     assert!(
-        !output || row.dependencies.is_some(),
+        changes != matches!(row.causality, Causality::Parameter),
+        "a variable has a variability that is not one of its causality: tunable is for parameters only"
+    );
+    assert!(
+        !matches!(row.causality, Causality::Output) || row.dependencies.is_some(),
         "an output lacks depends_on(...)"
     );
+    let depends = row.dependencies.is_some() || row.initial_dependencies.is_some();
     assert!(
-        row.rate.is_none() || (input && real),
-        "a rate belongs to a Real input"
+        computed || !depends,
+        "only what the model computes depends on others"
     );
     assert!(
-        row.slope.is_none() || (output && real),
-        "a slope belongs to a Real output"
+        computed || !row.on_demand,
+        "only what the model computes is on demand"
     );
 }
 
-const fn check_names<M>(rows: &[Variable<M>], names: &[&str]) {
+const fn check_derivatives<M>(row: &Variable<M>) {
+    let smooth =
+        matches!(row.access, Access::Real(_)) && matches!(row.variability, Variability::Continuous);
+    assert!(
+        row.rate.is_none() || (smooth && matches!(row.causality, Causality::Input)),
+        "a rate belongs to a continuous Real input"
+    );
+    assert!(
+        row.slope.is_none() || (smooth && matches!(row.causality, Causality::Output)),
+        "a slope belongs to a continuous Real output"
+    );
+}
+
+/// `initially`: parameters count as well.
+const fn check_names<M>(rows: &[Variable<M>], names: &[&str], initially: bool) {
     let mut index = 0;
     while index < names.len() {
+        let at = position(rows, names[index]);
+        assert!(at < rows.len(), "a dependency is no variable");
+        let given = match rows[at].causality {
+            Causality::Input => true,
+            Causality::Parameter => initially,
+            Causality::Output | Causality::Local => false,
+        };
         assert!(
-            position(rows, names[index]) < rows.len(),
-            "a dependency is no variable"
+            given,
+            "a dependency is no input; initially it may be a parameter too"
         );
         index += 1;
     }
@@ -88,4 +141,143 @@ const fn same(one: &str, other: &str) -> bool {
         left -= 1;
     }
     left == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check;
+    use crate::{Enumeration, Item, Unit, Variable};
+
+    type Row = Variable<(f64, i32, bool)>;
+
+    const fn input() -> Row {
+        Row::input("u", Unit::ONE, |m| &mut m.0, "")
+    }
+
+    const fn parameter() -> Row {
+        Row::parameter("p", Unit::ONE, |m| &mut m.0, "")
+    }
+
+    const fn output() -> Row {
+        Row::output("y", Unit::ONE, |m| &mut m.0, "").depends_on(&[])
+    }
+
+    const fn flag() -> Row {
+        Row::boolean_input("f", |m| &mut m.2, "")
+    }
+
+    const fn count() -> Row {
+        Row::integer_input("n", |m| &mut m.1, "")
+    }
+
+    const fn item(value: i32) -> Item {
+        Item {
+            name: "item",
+            value,
+            description: "",
+        }
+    }
+
+    const fn kind(items: &'static [Item]) -> Enumeration {
+        Enumeration {
+            name: "Kind",
+            description: "",
+            items,
+        }
+    }
+
+    const NONE: Enumeration = kind(&[]);
+    const TWICE: Enumeration = kind(&[item(1), item(1)]);
+    const SOUND: Enumeration = kind(&[item(-1), item(7)]);
+
+    const fn choice(kind: &'static Enumeration) -> Row {
+        Row::enumeration_input("k", kind, |m| &mut m.1, "")
+    }
+
+    #[test]
+    fn a_table_may_hold_every_row_that_a_description_can_tell() {
+        check(&[
+            input().min(0.0).max(0.0).rate(|m| &mut m.0),
+            parameter().tunable(),
+            output()
+                .depends_on(&["u", "f"])
+                .initially_depends_on(&["p", "u"])
+                .slope(|m| &mut m.0)
+                .on_demand(),
+            flag(),
+            count().min(0.0),
+            choice(&SOUND),
+            Row::input("d", Unit::ONE, |m| &mut m.0, "").discrete(),
+            Row::output("e", Unit::ONE, |m| &mut m.0, "")
+                .discrete()
+                .local(),
+            Row::integer_output("i", |m| &mut m.1, "").depends_on(&["d"]),
+            Row::integer_parameter("j", |m| &mut m.1, "").tunable(),
+        ]);
+    }
+
+    /// What the compiler says of a table.
+    fn fault(rows: &[Row]) -> String {
+        let panic = std::panic::catch_unwind(|| check(rows)).unwrap_err();
+        let text = panic.downcast_ref::<&str>().copied();
+        text.unwrap_or_default().into()
+    }
+
+    #[test]
+    fn a_fault_of_a_table_is_told() {
+        let of_causality = "a variable has a variability that is not one of its causality: \
+                            tunable is for parameters only";
+        let given = "a dependency is no input; initially it may be a parameter too";
+        let computed = "only what the model computes depends on others";
+        let smooth_input = "a rate belongs to a continuous Real input";
+        let limited = "limits belong to a Real or an Integer";
+        let cases: &[(&[Row], &str)] = &[
+            (&[input(), input()], "two variables have the same name"),
+            (
+                &[Row::boolean_input("", |m| &mut m.2, "")],
+                "a variable has no name",
+            ),
+            (
+                &[input().min(1.0).max(0.0)],
+                "a variable's min is above its max",
+            ),
+            (&[flag().min(0.0)], limited),
+            (&[choice(&SOUND).max(1.0)], limited),
+            (&[choice(&NONE)], "an enumeration has no items"),
+            (
+                &[choice(&TWICE)],
+                "the values of an enumeration do not ascend",
+            ),
+            (&[input().tunable()], of_causality),
+            (&[output().tunable()], of_causality),
+            (&[flag().tunable()], of_causality),
+            (&[parameter().discrete()], of_causality),
+            (
+                &[Row::integer_output("y", |m| &mut m.1, "")],
+                "an output lacks depends_on(...)",
+            ),
+            (&[input().depends_on(&[])], computed),
+            (&[parameter().initially_depends_on(&[])], computed),
+            (
+                &[input().on_demand()],
+                "only what the model computes is on demand",
+            ),
+            (
+                &[output().depends_on(&["x"])],
+                "a dependency is no variable",
+            ),
+            (&[output().depends_on(&["y"])], given),
+            (&[parameter(), output().depends_on(&["p"])], given),
+            (&[output().initially_depends_on(&["y"])], given),
+            (&[count().rate(|m| &mut m.0)], smooth_input),
+            (&[input().discrete().rate(|m| &mut m.0)], smooth_input),
+            (
+                &[input().slope(|m| &mut m.0)],
+                "a slope belongs to a continuous Real output",
+            ),
+        ];
+        for (rows, expected) in cases {
+            assert_eq!(fault(rows), *expected);
+        }
+    }
 }
