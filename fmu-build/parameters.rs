@@ -10,6 +10,7 @@ use dct_models::presets::{PRESETS, Parametrised, Preset};
 use dct_models::{ClutchControl, Observer, Plant};
 use fmi2_cosim::{Access, Model, Unit, Variable};
 use quick_xml::Reader;
+use quick_xml::escape::unescape;
 use quick_xml::events::{BytesStart, Event};
 use std::path::PathBuf;
 
@@ -125,6 +126,7 @@ pub(crate) fn given<M: Model>(name: &str, values: Values<'_>) -> Result<String> 
                 }
                 *field(&mut model) = whole(*value);
             }
+            Access::String(_) => return Err(refused(format!("{name} is a String"))),
         }
     }
     let named = |row: &Variable<M>| values.iter().any(|(name, _)| *name == row.name);
@@ -139,6 +141,7 @@ fn parameter<M>(row: &Variable<M>, model: &mut M) -> Result<Element> {
         Access::Integer(field) => Element::new("ssv:Integer").with("value", field(model)),
         Access::Enumeration(field, _) => Element::new("ssv:Integer").with("value", field(model)),
         Access::Boolean(field) => Element::new("ssv:Boolean").with("value", field(model)),
+        Access::String(field) => Element::new("ssv:String").with("value", field(model)),
     };
     Ok(Element::new("ssv:Parameter")
         .with("name", row.name)
@@ -188,13 +191,17 @@ pub fn read<M: Parametrised>(text: &str) -> Result<M> {
 }
 
 fn is_value(tag: &BytesStart<'_>) -> bool {
-    matches!(tag.local_name().as_ref(), "Real" | "Integer" | "Boolean")
+    matches!(
+        tag.local_name().as_ref(),
+        "Real" | "Integer" | "Boolean" | "String"
+    )
 }
 
 fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String> {
     let found = tag.try_get_attribute(name).ok().flatten();
-    let value = found.map(|found| found.value.into_owned());
-    value.ok_or_else(|| refused(format!("an element has no attribute {name}")))
+    let found = found.ok_or_else(|| refused(format!("an element has no attribute {name}")))?;
+    let value = unescape(&found.value).map_err(|error| refused(error.to_string()))?;
+    Ok(value.into_owned())
 }
 
 fn assign<M: Parametrised>(model: &mut M, name: &str, value: &str) -> Result<()> {
@@ -205,6 +212,10 @@ fn assign<M: Parametrised>(model: &mut M, name: &str, value: &str) -> Result<()>
         Access::Boolean(field) => value.parse().map(|value| *field(model) = value).is_ok(),
         Access::Integer(field) | Access::Enumeration(field, _) => {
             value.parse().map(|value| *field(model) = value).is_ok()
+        }
+        Access::String(field) => {
+            value.clone_into(field(model));
+            true
         }
     };
     if read {
@@ -236,6 +247,7 @@ mod tests {
                 Access::Integer(field) | Access::Enumeration(field, _) => {
                     field(&mut back) == field(&mut meant)
                 }
+                Access::String(field) => field(&mut back) == field(&mut meant),
             };
             assert!(same, "{}", row.name);
             count += 1;

@@ -20,6 +20,7 @@ pub(crate) enum Kind {
     Real(Unit),
     Integer,
     Boolean,
+    String,
     Enumeration(&'static Enumeration),
 }
 
@@ -37,6 +38,7 @@ fn port<M>(row: &Variable<M>) -> Option<Port> {
             Access::Real(_) => Kind::Real(row.unit),
             Access::Integer(_) => Kind::Integer,
             Access::Boolean(_) => Kind::Boolean,
+            Access::String(_) => Kind::String,
             Access::Enumeration(_, kind) => Kind::Enumeration(kind),
         },
     })

@@ -128,6 +128,7 @@ fn kind(port: &Port) -> Element {
         Kind::Real(unit) => Element::new("ssc:Real").with("unit", unit.name),
         Kind::Integer => Element::new("ssc:Integer"),
         Kind::Boolean => Element::new("ssc:Boolean"),
+        Kind::String => Element::new("ssc:String"),
         Kind::Enumeration(kind) => Element::new("ssc:Enumeration").with("name", kind.name),
     }
 }

@@ -102,6 +102,7 @@ fn kind<M>(row: &Variable<M>) -> String {
         (Access::Real(_), Some(shown)) => format!("{} [{}]", row.unit.name, shown.name),
         (Access::Integer(_), _) => "Integer".into(),
         (Access::Boolean(_), _) => "Boolean".into(),
+        (Access::String(_), _) => "String".into(),
         (Access::Enumeration(_, kind), _) => {
             let items = kind
                 .items

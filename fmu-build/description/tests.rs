@@ -30,6 +30,7 @@ struct Sample {
     radius: f64,
     enabled: bool,
     torque: f64,
+    file: String,
 }
 
 impl Default for Sample {
@@ -42,6 +43,7 @@ impl Default for Sample {
             radius: 1e-7,
             enabled: true,
             torque: 0.0,
+            file: "a&b.csv".into(),
         }
     }
 }
@@ -82,7 +84,9 @@ impl Model for Sample {
             |m: &mut Self| &mut m.torque,
             "T_f",
         )
+        .depends_on(&[])
         .local(),
+        Variable::string_parameter("file", |m: &mut Self| &mut m.file, "File"),
     ];
 
     fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> std::result::Result<(), Failure> {
@@ -117,6 +121,7 @@ fn start_values_are_the_models_own_to_the_last_bit() {
     assert!(text.contains("start=\"0.30000000000000004\""), "{text}");
     assert!(text.contains("start=\"1e-7\""), "{text}");
     assert!(text.contains("<Boolean start=\"true\"/>"), "{text}");
+    assert!(text.contains("<String start=\"a&amp;b.csv\"/>"), "{text}");
     assert!(
         text.contains("<Integer min=\"0\" max=\"6\" start=\"3\"/>"),
         "{text}"

@@ -33,8 +33,9 @@ struct ScalarVariable {
 enum Kind {
     Real(RealType),
     Integer(IntegerType),
-    Boolean(BooleanType),
+    Boolean(StartType),
     Enumeration(IntegerType),
+    String(StartType),
 }
 
 #[derive(Serialize)]
@@ -66,7 +67,7 @@ struct IntegerType {
 }
 
 #[derive(Serialize)]
-struct BooleanType {
+struct StartType {
     #[serde(rename = "@start", skip_serializing_if = "Option::is_none")]
     start: Option<String>,
 }
@@ -91,6 +92,7 @@ fn start<M>(row: &Variable<M>, model: &mut M) -> Result<Start> {
         Access::Real(field) => finite(row.name, "start", *field(model))?,
         Access::Integer(field) | Access::Enumeration(field, _) => field(model).to_string(),
         Access::Boolean(field) => field(model).to_string(),
+        Access::String(field) => field(model).clone(),
     };
     Ok(Some(text))
 }
@@ -119,8 +121,9 @@ fn kind<M>(row: &Variable<M>, start: Start) -> Result<Kind> {
     Ok(match row.access {
         Access::Real(_) => Kind::Real(real(row, start)?),
         Access::Integer(_) => Kind::Integer(whole(row, None, start)?),
-        Access::Boolean(_) => Kind::Boolean(BooleanType { start }),
+        Access::Boolean(_) => Kind::Boolean(StartType { start }),
         Access::Enumeration(_, kind) => Kind::Enumeration(whole(row, Some(kind.name), start)?),
+        Access::String(_) => Kind::String(StartType { start }),
     })
 }
 

@@ -26,6 +26,7 @@ impl<M: Model> Driven<M> {
                 Access::Real(_) => Kind::Real,
                 Access::Integer(_) | Access::Enumeration(..) => Kind::Integer,
                 Access::Boolean(_) => Kind::Boolean,
+                Access::String(_) => return None, // a table holds numbers
             };
             let place = Place { kind, reference };
             Some(Signal {

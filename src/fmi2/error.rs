@@ -79,6 +79,8 @@ pub enum Error {
         /// Name of the enumeration.
         enumeration: &'static str,
     },
+    /// The text for a String is not UTF-8.
+    NotUtf8,
     /// The variable has no derivative of that order to set or get.
     NoDerivative {
         /// Name of the variable.
@@ -162,6 +164,7 @@ impl Error {
             | Self::BelowMin { .. }
             | Self::AboveMax { .. }
             | Self::NotAnItem { .. }
+            | Self::NotUtf8
             | Self::NoStatus(_) => Status::Discard,
             _ => Status::Error,
         }
@@ -203,6 +206,7 @@ impl fmt::Display for Error {
             } => {
                 write!(f, "{variable} = {value} is no value of {enumeration}")
             }
+            Self::NotUtf8 => f.write_str("argument value holds a text that is not UTF-8"),
             Self::NoDerivative { variable, order } => {
                 write!(f, "{variable} offers no derivative of order {order}")
             }

@@ -55,16 +55,16 @@ macro_rules! export {
                     = |c| FMU.get_others::<i32, c_int>(c, vr, n, value);
                 fmi2GetBoolean(vr: *const u32, n: usize, value: *mut c_int)
                     = |c| FMU.get_others::<bool, c_int>(c, vr, n, value);
-                fmi2GetString(vr: *const u32, n: usize, _value: *mut *const c_char)
-                    = |c| FMU.strings(c, Call::GetString, vr, n);
+                fmi2GetString(vr: *const u32, n: usize, value: *mut *const c_char)
+                    = |c| FMU.get_strings(c, vr, n, value);
                 fmi2SetReal(vr: *const u32, n: usize, value: *const f64)
                     = |c| FMU.set_reals(c, vr, n, value);
                 fmi2SetInteger(vr: *const u32, n: usize, value: *const c_int)
                     = |c| FMU.set::<i32, c_int>(c, vr, n, value, |value| value);
                 fmi2SetBoolean(vr: *const u32, n: usize, value: *const c_int)
                     = |c| FMU.set::<bool, c_int>(c, vr, n, value, |value| value != 0);
-                fmi2SetString(vr: *const u32, n: usize, _value: *const *const c_char)
-                    = |c| FMU.strings(c, Call::SetString, vr, n);
+                fmi2SetString(vr: *const u32, n: usize, value: *const *const c_char)
+                    = |c| FMU.set_strings(c, vr, n, value);
                 fmi2GetFMUstate(state: *mut *mut c_void) = |c| FMU.get_state(c, state);
                 fmi2FreeFMUstate(state: *mut *mut c_void) = |c| FMU.free_state(c, state);
                 fmi2SerializedFMUstateSize(state: *mut c_void, size: *mut usize)

@@ -23,12 +23,14 @@ use crate::{Call, Category, Error, Instance, Log, Model, guid, request};
 use core::ffi::{CStr, c_char, c_int, c_void};
 use core::fmt;
 use core::ptr::{null_mut, without_provenance_mut};
+use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Once, OnceLock};
 
 mod pointer;
 pub(crate) mod real;
 mod states;
+mod strings;
 mod variables;
 
 use pointer::{slice, text};
@@ -63,6 +65,8 @@ struct Component<M: Model> {
     reporter: Reporter,
     /// Rust panicked in this instance: nothing in it can be trusted.
     poisoned: bool,
+    /// What the importer was handed for its last question for strings.
+    texts: Vec<CString>,
 }
 
 /// Brings messages to the importer's logger.
@@ -117,6 +121,7 @@ impl<M: Model> Component<M> {
             instance: Instance::default(),
             reporter,
             poisoned: false,
+            texts: Vec::new(),
         })
     }
 

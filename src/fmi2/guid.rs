@@ -2,7 +2,7 @@
 //! description that was written from another table.
 
 use crate::hash::Hash;
-use crate::row::rows;
+use crate::row::{has_strings, rows};
 use crate::{Access, Enumeration, Model, Unit, Variable};
 
 /// GUID of model `M`, as in `modelDescription.xml`: `{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}`.
@@ -44,6 +44,8 @@ pub(crate) fn table_hash<M: Model>() -> u128 {
             Access::Integer(field) | Access::Enumeration(field, _) => {
                 hash.bytes(&field(&mut model).to_le_bytes());
             }
+            Access::String(field) if const { has_strings::<M>() } => hash.text(field(&mut model)),
+            Access::String(_) => {}
         }
     }
     hash.value()

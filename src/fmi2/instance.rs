@@ -10,6 +10,7 @@ use crate::{Call, Error, Failure, Log, Model, State};
 
 mod finite;
 mod plain;
+mod strings;
 mod tangent;
 pub use tangent::provides_directional_derivatives;
 

@@ -10,7 +10,7 @@ use core::fmt;
 /// the model at its start values; those are the ones the model description shows. `Clone` is a saved
 /// FMU state, so it must be cheap and must copy everything that `step` reads. None of the methods
 /// may print, open files, spawn threads or touch process-wide settings, and `step` and
-/// `update_outputs` may not allocate.
+/// `update_outputs` may not allocate, but for a String.
 pub trait Model: Clone + Default + Send + 'static {
     /// `modelName` and `modelIdentifier`: a C identifier, e.g. `DctPlant`.
     const NAME: &'static str;
@@ -108,6 +108,8 @@ pub trait StateFields {
     fn integer(&mut self, value: &mut i32);
     /// A boolean.
     fn boolean(&mut self, value: &mut bool);
+    /// A text, of any length.
+    fn text(&mut self, value: &mut String);
 
     /// Several reals.
     fn reals(&mut self, values: &mut [f64]) {

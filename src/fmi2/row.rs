@@ -59,6 +59,15 @@ impl<M> Row<M> {
     }
 }
 
+/// Whether a model has Strings. If not, nothing of how they are moved gets into its library.
+pub(crate) const fn has_strings<M: Model>() -> bool {
+    let mut row = 0;
+    while row < M::VARIABLES.len() && !matches!(M::VARIABLES[row].access, Access::String(_)) {
+        row += 1;
+    }
+    row < M::VARIABLES.len()
+}
+
 /// The rows of a model, in the order of the table.
 pub(crate) fn rows<M: Model>() -> impl Iterator<Item = &'static Row<M>> {
     table::<M>().iter().flatten()

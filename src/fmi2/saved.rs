@@ -9,12 +9,14 @@
 
 use crate::guid::table_hash;
 use crate::hash::Hash;
-use crate::row::{Row, rows};
+use crate::row::{Row, has_strings, rows};
 use crate::value::finite;
 use crate::{Access, Causality, Error, Model, State, StateFields, Value as _};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
 const VERSION: u32 = 2;
+/// Bytes before the payload.
+const HEADER: usize = 8 + 4 + 16 + 8 + 16;
 
 /// A saved FMU state: the model with its place in the life cycle.
 #[derive(Clone)]
@@ -46,7 +48,7 @@ impl<M: Model> Saved<M> {
         }
     }
 
-    /// The state as bytes; their number is the same for every state of a model.
+    /// The state as bytes; their number is the same for every state of a model, but for that of its texts.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes_under(table_hash::<M>())
@@ -54,14 +56,22 @@ impl<M: Model> Saved<M> {
 
     /// As [`Self::to_bytes`], with the table's hash, which takes longer than all the rest, known.
     pub(crate) fn to_bytes_under(&self, guid: u128) -> Vec<u8> {
-        let mut payload = Writer(Vec::new());
+        let mut payload = Writer::default();
         let mut all = self.clone();
         all.catch_up();
         all.visit(&mut payload);
-        let Writer(payload) = payload;
+        let payload = payload.bytes;
         let mut bytes = header(guid, &payload);
         bytes.extend(payload);
         bytes
+    }
+
+    /// Whether a state of this model can have that many bytes.
+    pub(crate) fn can_have_size(size: usize) -> bool {
+        let mut payload = Writer::default();
+        Self::new().visit(&mut payload);
+        let least = HEADER + payload.bytes.len() - payload.of_texts.unwrap_or(0);
+        size == least || (size > least && payload.of_texts.is_some())
     }
 
     /// Reads what [`Self::to_bytes`] wrote.
@@ -150,6 +160,10 @@ impl<M: Model> Saved<M> {
                 Access::Integer(field) | Access::Enumeration(field, _) => {
                     fields.integer(field(&mut self.model));
                 }
+                Access::String(field) if const { has_strings::<M>() } => {
+                    fields.text(field(&mut self.model));
+                }
+                Access::String(_) => {}
             }
             if let Some(rate) = row.rate {
                 fields.real(rate(&mut self.model));
@@ -231,26 +245,38 @@ trait Fields: StateFields {
     fn state(&mut self, state: &mut State);
 }
 
-struct Writer(Vec<u8>);
+#[derive(Default)]
+struct Writer {
+    bytes: Vec<u8>,
+    /// How many of them are characters of texts, if there are texts.
+    of_texts: Option<usize>,
+}
 
 impl StateFields for Writer {
     fn real(&mut self, value: &mut f64) {
-        self.0.extend(value.to_bits().to_le_bytes());
+        self.bytes.extend(value.to_bits().to_le_bytes());
     }
 
     fn integer(&mut self, value: &mut i32) {
-        self.0.extend(value.to_le_bytes());
+        self.bytes.extend(value.to_le_bytes());
     }
 
     fn boolean(&mut self, value: &mut bool) {
-        self.0.push(u8::from(*value));
+        self.bytes.push(u8::from(*value));
+    }
+
+    fn text(&mut self, value: &mut String) {
+        let length = u64::try_from(value.len()).unwrap_or(u64::MAX);
+        self.bytes.extend(length.to_le_bytes());
+        self.bytes.extend(value.as_bytes());
+        self.of_texts = Some(self.of_texts.unwrap_or(0) + value.len());
     }
 }
 
 impl Fields for Writer {
     fn state(&mut self, state: &mut State) {
         let number = (0..).zip(State::ALL).find(|(_, known)| known == state);
-        self.0.extend(number.map(|(number, _): (u8, _)| number));
+        self.bytes.extend(number.map(|(number, _): (u8, _)| number));
     }
 }
 
@@ -288,6 +314,21 @@ impl StateFields for Reader<'_> {
             _ => None,
         });
     }
+
+    fn text(&mut self, value: &mut String) {
+        let read = take(self.rest).and_then(|(length, rest)| {
+            let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
+            let (text, rest) = rest.split_at_checked(length)?;
+            Some((core::str::from_utf8(text).ok()?, rest))
+        });
+        match read {
+            Some((new, rest)) if self.intact => {
+                new.clone_into(value);
+                self.rest = rest;
+            }
+            _ => self.intact = false,
+        }
+    }
 }
 
 impl Fields for Reader<'_> {
@@ -295,5 +336,31 @@ impl Fields for Reader<'_> {
         self.read(state, |[number]| {
             State::ALL.get(usize::from(number)).copied()
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reader, StateFields as _};
+
+    /// What is read where a text was to be; `None`: it was refused.
+    fn read(length: u64, characters: &[u8]) -> Option<String> {
+        let bytes = [&length.to_le_bytes(), characters].concat();
+        let (rest, intact) = (bytes.as_slice(), true);
+        let (mut reader, mut value) = (Reader { rest, intact }, String::from("kept"));
+        reader.text(&mut value);
+        assert!(reader.intact || value == "kept");
+        reader.intact.then_some(value)
+    }
+
+    #[test]
+    fn a_text_that_is_cut_short_or_not_utf8_is_not_read() {
+        assert_eq!(read(2, b"ab"), Some("ab".into()));
+        assert_eq!(read(1, b"ab"), Some("a".into()));
+        assert_eq!(read(0, b""), Some(String::new()));
+        for length in [3, 1 << 32, u64::MAX] {
+            assert_eq!(read(length, b"ab"), None, "{length}");
+        }
+        assert_eq!(read(2, b"a\xff"), None);
     }
 }

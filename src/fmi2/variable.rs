@@ -29,6 +29,8 @@ pub enum Access<M> {
     Boolean(fn(&mut M) -> &mut bool),
     /// `fmi2Integer` at the ABI, `Enumeration` in the description.
     Enumeration(fn(&mut M) -> &mut i32, &'static Enumeration),
+    /// `fmi2String`. To set or read one allocates.
+    String(fn(&mut M) -> &mut String),
 }
 
 impl<M> Clone for Access<M> {
@@ -48,6 +50,7 @@ impl<M> Access<M> {
             Self::Integer(_) => "Integer",
             Self::Boolean(_) => "Boolean",
             Self::Enumeration(..) => "Enumeration",
+            Self::String(_) => "String",
         }
     }
 }
@@ -200,6 +203,15 @@ impl<M> Variable<M> {
         Self::new(name, description, DISCRETE_INPUT, access)
     }
 
+    /// A String input, discrete.
+    pub const fn string_input(
+        name: &'static str,
+        field: fn(&mut M) -> &mut String,
+        description: &'static str,
+    ) -> Self {
+        Self::new(name, description, DISCRETE_INPUT, Access::String(field))
+    }
+
     /// A Real parameter, fixed.
     pub const fn parameter(
         name: &'static str,
@@ -239,6 +251,15 @@ impl<M> Variable<M> {
         Self::new(name, description, PARAMETER, access)
     }
 
+    /// A String parameter, fixed.
+    pub const fn string_parameter(
+        name: &'static str,
+        field: fn(&mut M) -> &mut String,
+        description: &'static str,
+    ) -> Self {
+        Self::new(name, description, PARAMETER, Access::String(field))
+    }
+
     /// A Real output, continuous.
     pub const fn output(
         name: &'static str,
@@ -276,6 +297,15 @@ impl<M> Variable<M> {
     ) -> Self {
         let access = Access::Enumeration(field, kind);
         Self::new(name, description, DISCRETE_OUTPUT, access)
+    }
+
+    /// A String output, discrete.
+    pub const fn string_output(
+        name: &'static str,
+        field: fn(&mut M) -> &mut String,
+        description: &'static str,
+    ) -> Self {
+        Self::new(name, description, DISCRETE_OUTPUT, Access::String(field))
     }
 
     const fn unit(mut self, unit: Unit) -> Self {

@@ -4,7 +4,7 @@
 ///
 /// A line is a field, its row in the words of [`Variable`](crate::Variable) without the field, and its start
 /// value, of a Real in SI units. The row tells the field's type: `f64`, `i32` for those of Integers and
-/// enumerations, `bool`. A model with hidden states writes struct, `Default` and table itself.
+/// enumerations, `bool`, `String`. A model with hidden states writes struct, `Default` and table itself.
 ///
 /// ```
 /// use fmi2_cosim::{Enumeration, Item, Unit};
@@ -23,6 +23,7 @@
 ///     pub struct Bucket {
 ///         inflow: input("valve.flow", Unit::ONE, "what comes in").min(0.0) = 0.0,
 ///         lid: enumeration_parameter("bucket.lid", &LID, "what lies on it").tunable() = 0,
+///         liquid: string_parameter("bucket.liquid", "what is poured in") = "water".into(),
 ///         content: output("bucket.content", Unit::ONE, "what is in it").depends_on(&[]) = 0.5,
 ///         spills: integer_output("bucket.spills", "how often it ran over").depends_on(&[]) = 0,
 ///         full: boolean_output("bucket.full", "no more goes in").depends_on(&[]).local() = false,
@@ -31,7 +32,7 @@
 ///
 /// let bucket = Bucket::default();
 /// assert_eq!((bucket.content, bucket.lid, bucket.full), (0.5, 0, false));
-/// assert_eq!(Bucket::TABLE[2].name, "bucket.content");
+/// assert_eq!(Bucket::TABLE[3].name, "bucket.content");
 /// fmi2_cosim::check(Bucket::TABLE);
 /// ```
 #[macro_export]
@@ -69,28 +70,18 @@ macro_rules! variables {
 /// The type of a field by the constructor of its row.
 #[doc(hidden)]
 #[macro_export]
+#[rustfmt::skip] // a list
 macro_rules! type_of_row {
-    (input) => {
-        f64
-    };
-    (parameter) => {
-        f64
-    };
-    (output) => {
-        f64
-    };
-    (boolean_input) => {
-        bool
-    };
-    (boolean_parameter) => {
-        bool
-    };
-    (boolean_output) => {
-        bool
-    };
-    ($integer_or_enumeration:ident) => {
-        i32
-    };
+    (input) => { f64 };
+    (parameter) => { f64 };
+    (output) => { f64 };
+    (boolean_input) => { bool };
+    (boolean_parameter) => { bool };
+    (boolean_output) => { bool };
+    (string_input) => { ::std::string::String };
+    (string_parameter) => { ::std::string::String };
+    (string_output) => { ::std::string::String };
+    ($integer_or_enumeration:ident) => { i32 };
 }
 
 /// A row without limits and the like; of a Real with its unit, of an enumeration with its type.

@@ -51,6 +51,7 @@ pub struct Importer<M: Model> {
     references: Vec<u32>,
     reals: Vec<f64>,
     integers: Vec<c_int>,
+    texts: Vec<*const c_char>,
 }
 
 /// Runs a script twice and demands the same answers: nothing may stay from the first time.
@@ -70,6 +71,7 @@ fn play<M: Model>(library: &'static Library<M>, script: &[u8]) -> u64 {
         references: vec![0; room],
         reals: vec![0.0; room],
         integers: vec![0; room],
+        texts: vec![null(); room],
     };
     importer.instantiate(&mut Script(&[]));
     let mut script = Script(script);
@@ -264,7 +266,10 @@ impl<M: Model> Importer<M> {
                     let values = self.integers.as_ptr();
                     library.set::<bool, c_int>(c, references, count, values, |value| value != 0)
                 }
-                2 => library.strings(c, Call::SetString, references, count),
+                2 => {
+                    self.texts.fill(c"text".as_ptr());
+                    library.set_strings(c, references, count, self.texts.as_ptr())
+                }
                 _ => {
                     self.reals
                         .iter_mut()
@@ -295,7 +300,7 @@ impl<M: Model> Importer<M> {
                     count,
                     self.integers.as_mut_ptr(),
                 ),
-                2 => library.strings(c, Call::GetString, references, count),
+                2 => library.get_strings(c, references, count, self.texts.as_mut_ptr()),
                 _ => {
                     let values = self.reals.as_mut_ptr();
                     let status = library.get_reals(c, references, count, values);

@@ -8,6 +8,7 @@ use core::ptr::null;
 mod saved;
 mod sequences;
 mod shadow;
+mod strings;
 
 /// x grows by `u` per second; u above 100 makes it panic, which the table does not know.
 #[derive(Clone, Default)]
@@ -97,7 +98,7 @@ fn instantiate_in<M: Model>(fmu: &'static Library<M>, guid: &str, logging_on: bo
         step_finished: None,
         environment: without_provenance_mut(ENVIRONMENT),
     };
-    let guid = std::ffi::CString::new(guid).unwrap();
+    let guid = CString::new(guid).unwrap();
     // SAFETY: strings end with NUL; `callbacks` dies after the call, as the contract allows.
     unsafe { fmu.instantiate(c"f".as_ptr(), 1, guid.as_ptr(), &callbacks, logging_on) }
 }

@@ -200,28 +200,6 @@ impl<M: Model> Library<M> {
         })
     }
 
-    /// `fmi2GetString` and `fmi2SetString`: there are no strings, so only empty calls are legal.
-    pub unsafe fn strings(
-        &self,
-        component: *mut c_void,
-        call: Call,
-        references: *const u32,
-        count: usize,
-    ) -> Status {
-        self.enter(component, call, |instance, _| {
-            instance.permit(call)?;
-            plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
-            let references = unsafe { slice("vr", references, count)? };
-            references.first().map_or(Ok(()), |&reference| {
-                Err(Error::UnknownReference {
-                    reference,
-                    kind: "String",
-                })
-            })
-        })
-    }
-
     /// `fmi2SetRealInputDerivatives`.
     pub unsafe fn set_input_derivatives(
         &self,
@@ -329,7 +307,7 @@ unsafe fn derivatives<'a>(
 }
 
 /// Refuses counts that no call without repetition can have.
-fn plausible<M: Model>(count: usize) -> Result<(), Error> {
+pub(super) fn plausible<M: Model>(count: usize) -> Result<(), Error> {
     if count > M::VARIABLES.len() {
         Err(Error::Count(count))
     } else {

@@ -327,8 +327,13 @@ impl Rig {
 
     fn strings(&mut self, call: Call) -> (Status, Status) {
         let (count, wanted) = self.random.pick(&[(0, Status::Ok), (1, Status::Error)]);
-        // SAFETY: a live component; one reference.
-        let got = unsafe { PROBE.strings(self.c, call, &U, count) };
+        let mut text = c"0".as_ptr();
+        let got = match call {
+            // SAFETY: a live component; one reference, room for one string.
+            Call::GetString => unsafe { PROBE.get_strings(self.c, &U, count, &mut text) },
+            // SAFETY: a live component; one reference, one string.
+            _ => unsafe { PROBE.set_strings(self.c, &U, count, &text) },
+        };
         (got, wanted)
     }
 
