@@ -156,6 +156,7 @@ pub enum Category {
 
 /// Why a model could not initialise or step; the text is what the importer's log shows.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Failure {
     /// The values of two or more variables contradict each other, or one is unusable. fmi2Error.
     Invalid {
@@ -180,6 +181,8 @@ pub enum Failure {
         /// The longest step [s].
         longest: f64,
     },
+    /// Anything else, in a sentence of the model's own, e.g. `the flow through both valves was not found`. fmi2Error.
+    Other(&'static str),
 }
 
 impl fmt::Display for Failure {
@@ -198,6 +201,7 @@ impl fmt::Display for Failure {
                 let (step, longest) = (Number(*step), Number(*longest));
                 write!(f, "communicationStepSize = {step} s is above {longest} s")
             }
+            Self::Other(sentence) => f.write_str(sentence),
         }
     }
 }
