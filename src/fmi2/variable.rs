@@ -175,24 +175,6 @@ impl<M> Variable<M> {
         Self::new(name, description, CONTINUOUS_INPUT, Access::Real(field)).unit(unit)
     }
 
-    /// An Integer input, discrete.
-    pub const fn integer_input(
-        name: &'static str,
-        field: fn(&mut M) -> &mut i32,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, DISCRETE_INPUT, Access::Integer(field))
-    }
-
-    /// A Boolean input, discrete.
-    pub const fn boolean_input(
-        name: &'static str,
-        field: fn(&mut M) -> &mut bool,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, DISCRETE_INPUT, Access::Boolean(field))
-    }
-
     /// An Enumeration input, discrete.
     pub const fn enumeration_input(
         name: &'static str,
@@ -204,15 +186,6 @@ impl<M> Variable<M> {
         Self::new(name, description, DISCRETE_INPUT, access)
     }
 
-    /// A String input, discrete.
-    pub const fn string_input(
-        name: &'static str,
-        field: fn(&mut M) -> &mut String,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, DISCRETE_INPUT, Access::String(field))
-    }
-
     /// A Real parameter, fixed.
     pub const fn parameter(
         name: &'static str,
@@ -221,24 +194,6 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         Self::new(name, description, PARAMETER, Access::Real(field)).unit(unit)
-    }
-
-    /// An Integer parameter, fixed.
-    pub const fn integer_parameter(
-        name: &'static str,
-        field: fn(&mut M) -> &mut i32,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, PARAMETER, Access::Integer(field))
-    }
-
-    /// A Boolean parameter, fixed.
-    pub const fn boolean_parameter(
-        name: &'static str,
-        field: fn(&mut M) -> &mut bool,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, PARAMETER, Access::Boolean(field))
     }
 
     /// An Enumeration parameter, fixed.
@@ -252,15 +207,6 @@ impl<M> Variable<M> {
         Self::new(name, description, PARAMETER, access)
     }
 
-    /// A String parameter, fixed.
-    pub const fn string_parameter(
-        name: &'static str,
-        field: fn(&mut M) -> &mut String,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, PARAMETER, Access::String(field))
-    }
-
     /// A Real output, continuous.
     pub const fn output(
         name: &'static str,
@@ -269,24 +215,6 @@ impl<M> Variable<M> {
         description: &'static str,
     ) -> Self {
         Self::new(name, description, CONTINUOUS_OUTPUT, Access::Real(field)).unit(unit)
-    }
-
-    /// An Integer output, discrete.
-    pub const fn integer_output(
-        name: &'static str,
-        field: fn(&mut M) -> &mut i32,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, DISCRETE_OUTPUT, Access::Integer(field))
-    }
-
-    /// A Boolean output, discrete.
-    pub const fn boolean_output(
-        name: &'static str,
-        field: fn(&mut M) -> &mut bool,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, DISCRETE_OUTPUT, Access::Boolean(field))
     }
 
     /// An Enumeration output, discrete.
@@ -298,15 +226,6 @@ impl<M> Variable<M> {
     ) -> Self {
         let access = Access::Enumeration(field, kind);
         Self::new(name, description, DISCRETE_OUTPUT, access)
-    }
-
-    /// A String output, discrete.
-    pub const fn string_output(
-        name: &'static str,
-        field: fn(&mut M) -> &mut String,
-        description: &'static str,
-    ) -> Self {
-        Self::new(name, description, DISCRETE_OUTPUT, Access::String(field))
     }
 
     const fn unit(mut self, unit: Unit) -> Self {
@@ -395,4 +314,34 @@ impl<M> Variable<M> {
             Causality::Output | Causality::Local => Some(Initial::Calculated),
         }
     }
+}
+
+/// Constructors that need neither a unit nor an enumeration.
+macro_rules! constructors {
+    ($($about:literal $name:ident: $access:ident($value:ty), $kind:ident;)*) => {
+        impl<M> Variable<M> {
+            $(
+                #[doc = $about]
+                pub const fn $name(
+                    name: &'static str,
+                    field: fn(&mut M) -> &mut $value,
+                    description: &'static str,
+                ) -> Self {
+                    Self::new(name, description, $kind, Access::$access(field))
+                }
+            )*
+        }
+    };
+}
+
+constructors! {
+    "An Integer input, discrete." integer_input: Integer(i32), DISCRETE_INPUT;
+    "A Boolean input, discrete." boolean_input: Boolean(bool), DISCRETE_INPUT;
+    "A String input, discrete." string_input: String(String), DISCRETE_INPUT;
+    "An Integer parameter, fixed." integer_parameter: Integer(i32), PARAMETER;
+    "A Boolean parameter, fixed." boolean_parameter: Boolean(bool), PARAMETER;
+    "A String parameter, fixed." string_parameter: String(String), PARAMETER;
+    "An Integer output, discrete." integer_output: Integer(i32), DISCRETE_OUTPUT;
+    "A Boolean output, discrete." boolean_output: Boolean(bool), DISCRETE_OUTPUT;
+    "A String output, discrete." string_output: String(String), DISCRETE_OUTPUT;
 }
