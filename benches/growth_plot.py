@@ -16,12 +16,13 @@ MIB = 2.0**20
 # Of each axis: what a unit of work is, and how the time of one reads.
 UNITS = {
     "runs": ("run", "ms", 1e3),
-    "steps per second": ("step", "us", 1e6),
-    "recorded signals": ("step", "us", 1e6),
-    "instances": ("instance, 100 steps", "us", 1e6),
-    "instances, own parameters": ("instance, 100 steps", "us", 1e6),
+    "steps per second": ("step", "µs", 1e6),
+    "recorded signals": ("step", "µs", 1e6),
+    "instances": ("instance, 100 steps", "µs", 1e6),
+    "instances, own parameters": ("instance, 100 steps", "µs", 1e6),
     "threads": ("run", "ms", 1e3),
 }
+PLAIN = 100.0  # from here on a cost is shown without decimals or exponent
 LINEAR = ("runs", "steps per second", "instances", "instances, own parameters")
 COLOURS = {"cpu": "#3266ad", "memory": "#3d8c40"}
 SIZE = (11.0, 11.5)  # inches
@@ -38,7 +39,9 @@ def table(points: Told) -> str:
     lines = [f"| {' | '.join(heads)} |", "|---|--:|--:|--:|--:|"]
     for point in points:
         what, unit, factor = UNITS[point["axis"]]
-        one = f"{point['cpu'] / point['units'] * factor:.3g} {unit} per {what}"
+        cost = point["cpu"] / point["units"] * factor
+        one = f"{cost:,.0f}" if cost >= PLAIN else f"{cost:.3g}"
+        one = f"{one} {unit} per {what}"
         memory = f"{point['memory'] / MIB:.3g} MiB"
         lines.append(f"| {point['axis']} | {point['size']:,g} | {point['cpu']:.3g} s "
                      f"| {one} | {memory} |")  # fmt: skip
