@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test fails by panicking
 
-use std::fs::{self, File};
-use std::io::Write as _;
+mod c_fmu;
+
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
 
 const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stuck.c");
 const XML: &str = r#"<fmiModelDescription fmiVersion="2.0" modelName="Stuck" guid="g">
@@ -42,23 +41,9 @@ impl Place {
     }
 
     fn fmu(&self, name: &str, function: &str) {
-        let library = self.file("Stuck.so");
-        let mut cc = Command::new("cc");
-        cc.args(["-shared", "-fPIC", "-Wall", "-Wextra", "-Werror"]);
-        cc.arg(format!("-DHANG=\"{function}\"")).arg(SOURCE);
-        assert!(cc.arg("-o").arg(&library).status().unwrap().success());
-        let fmu = File::create(self.file(&format!("{name}.fmu"))).unwrap();
-        let mut archive = ZipWriter::new(fmu);
-        let members = [
-            ("modelDescription.xml", XML.as_bytes().to_vec()),
-            ("binaries/linux64/Stuck.so", fs::read(library).unwrap()),
-        ];
-        for (name, bytes) in members {
-            let options = SimpleFileOptions::default();
-            archive.start_file(name, options).unwrap();
-            archive.write_all(&bytes).unwrap();
-        }
-        archive.finish().unwrap();
+        let path = self.file(&format!("{name}.fmu"));
+        let hang = format!("-DHANG=\"{function}\"");
+        c_fmu::write(&path, SOURCE, &[&hang], "Stuck", XML);
     }
 
     fn begin(&self, words: &[&str]) -> Child {
