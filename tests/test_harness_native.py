@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from dct_harness import results
 from dct_harness.errors import instant
-from harness_fixture.lag_fmu import HARNESS, run, write_system
+from harness_fixture.lag_fmu import HARNESS, LAG, run, write_fmu, write_system
 
 NATIVE = ("--engine", "native")
 CRASH, HANG = 1, 2  # modes of the hostile FMU, from t = 0.1 s on
@@ -157,3 +157,18 @@ def test_a_watch_ends_runs_or_raises(lag_dir: Path) -> None:
     assert seen == sorted(seen)
     with pytest.raises(ZeroDivisionError):
         cosim_native.run([slow], TIMES, SCRIPT, watch=lambda steps: 1 / 0)
+
+
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+def test_a_discrete_real_input_is_held_between_rows(
+    tmp_path: Path, lag_library: Path, engine: str
+) -> None:
+    """FMI lets it change at events only: a ramp between two rows of the scenario would be many."""
+    discrete = LAG[0].replace("><Real", ' variability="discrete"><Real')
+    write_fmu(tmp_path / "Lag.fmu", lag_library, (discrete, *LAG[1:]))
+    system = write_system(tmp_path, scenario="time,u\n0,1\n0.5,3\n1,5\n")
+    done = run(system, tmp_path, "--engine", engine)
+    assert done.returncode == 0, done.stderr
+    found = results.load(tmp_path / "out")
+    expected = [1.0 if t < 0.5 else 3.0 if t < 1 else 5.0 for t in found.time]
+    assert found["scenario.u"].tolist() == expected

@@ -65,6 +65,11 @@ impl Variable {
         self.continuous && self.causality == Causality::Input
     }
 
+    /// Whether it changes in jumps only, so that a scenario's rows are held; a tunable parameter may change in a ramp.
+    pub fn is_discrete(&self) -> bool {
+        self.family != Family::Real || self.causality == Causality::Input && !self.continuous
+    }
+
     /// Whether something may feed it.
     pub fn can_be_set(&self) -> bool {
         matches!(

@@ -48,30 +48,30 @@ pub fn wire(
 }
 
 /// The scenario's signals that inputs read, in the order of its columns, and whether each is held
-/// between its rows, as integers and booleans are.
+/// between its rows, as integers, booleans and discrete Reals are; a tunable Real may change in a ramp.
 pub fn script(
     components: &[Component],
     descriptions: &[&Description],
     scenario: &Scenario,
 ) -> (Vec<String>, Vec<bool>) {
-    let families = |signal: &str| {
+    let readers = |signal: &str| {
         let source = format!("scenario.{signal}");
         let all = components.iter().zip(descriptions);
-        let families: Vec<Family> = all
+        let readers: Vec<&Variable> = all
             .flat_map(|(component, description)| {
                 let inputs = component
                     .inputs
                     .iter()
                     .filter(|input| input.source == source);
-                inputs.filter_map(|input| Some(description.find(&input.name)?.family))
+                inputs.filter_map(|input| description.find(&input.name))
             })
             .collect();
-        families
+        readers
     };
     let used = scenario.names().iter().filter_map(|signal| {
-        let families = families(signal);
-        let held = families.iter().any(|family| *family != Family::Real);
-        (!families.is_empty()).then(|| (signal.clone(), held))
+        let readers = readers(signal);
+        let held = readers.iter().any(|variable| variable.is_discrete());
+        (!readers.is_empty()).then(|| (signal.clone(), held))
     });
     used.unzip()
 }

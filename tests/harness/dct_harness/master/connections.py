@@ -82,6 +82,16 @@ def types(fmus: Mapping[str, Fmu | Mapped]) -> dict[str, str]:
     return {f"{n}.{v.name}": group_of(v) for n, f in fmus.items() for v in (*f.inputs, *f.outputs)}
 
 
+def held(fmus: Mapping[str, Fmu | Mapped], sources: dict[str, str]) -> set[str]:
+    """Return the sources that are held between rows of a scenario, as an input of them is discrete.
+
+    Integers and booleans are, and Reals that say so; a tunable Real may change in a ramp.
+    """
+    inputs = {f"{n}.{v.name}": v for n, f in fmus.items() for v in f.inputs}
+    return {s for t, s in sources.items()
+            if group_of(inputs[t]) != "Real" or inputs[t].variability == "discrete"}  # fmt: skip
+
+
 def check_types(
     system: System, fmus: Mapping[str, Fmu | Mapped], sources: dict[str, str], script: Scenario
 ) -> None:

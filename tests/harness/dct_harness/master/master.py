@@ -18,7 +18,7 @@ from ..supplier.mapping import Mapping
 from ..system import scenario as scenarios
 from ..system.system import System
 from ..system.transforms import Transform
-from .connections import check_types, resolve, transforms, types
+from .connections import check_types, held, resolve, transforms, types
 from .coupling import algebraic_loops, delayed, ranges
 from .initial import Initialization, Member
 from .interpolation import Interpolation
@@ -127,12 +127,12 @@ class Run:
         check_types(self.system, self.fmus, self.sources, script)
         self.transforms = transforms(self.system, self.fmus, self.sources)
         typed = types(self.fmus)
-        held = {s for t, s in self.sources.items() if typed[t] != "Real"}
+        still = held(self.fmus, self.sources)
         used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
         self.names = [f"scenario.{s}" for s in used]
         outputs = [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
         self.noise = Noise(self.system, self.sources, {n: typed[n] for n in outputs})
-        columns = [script.sample(s, self.times, f"scenario.{s}" in held) for s in used]
+        columns = [script.sample(s, self.times, f"scenario.{s}" in still) for s in used]
         columns += list(self.noise.samples(len(self.times)).T)
         self.script = np.array(columns).T.reshape(len(self.times), len(columns))
         self.names += [*self.noise.columns, *outputs]

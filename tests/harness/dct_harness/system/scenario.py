@@ -21,7 +21,7 @@ class Scenario:
     path: Path
 
     def sample(self, name: str, times: np.ndarray, hold: bool) -> np.ndarray:
-        """Return a signal at `times` [s]: linear between rows, or held (integers, booleans).
+        """Return a signal at `times` [s]: linear between rows, or held (discrete inputs).
 
         Before the first and after the last row the end values hold.
         """
