@@ -1,7 +1,8 @@
-//! The table of PAPER.md: what errors of sensors and parameters cost every observer method.
+//! The tables of PAPER.md: what errors of sensors and parameters cost every observer method.
 //!
-//! `cargo run --release -p dct-driveline --example robustness` prints it as Markdown: RMSE in % of the RMS
-//! torque, T_c1/T_c2/T_o, at 1 kHz, friction case 1, momentum load.
+//! `cargo run --release -p dct-driveline --example robustness` prints them as Markdown: RMSE in % of the RMS
+//! torque, T_c1/T_c2/T_o, at 1 kHz, friction case 1, momentum load. With `-- PAPER.md` behind it, the tables of
+//! that file which have one of their headings are replaced by them.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -61,7 +62,7 @@ const fn parameter(name: &'static str, believed: fn(&mut Params)) -> Error {
 
 /// Every error by itself.
 const ERRORS: [Error; 24] = [
-    sensor("none", || Box::new(perfect)),
+    sensor("no error", || Box::new(perfect)),
     sensor("noise 0.1 rad/s on speeds", || Box::new(noisy(0.1, 1))),
     sensor("encoders of 4096 ticks", || Box::new(encoder(4096.0, H))),
     known(
@@ -120,40 +121,59 @@ fn rounded(percent: f64) -> String {
     format!("{percent:.digits$}")
 }
 
-fn print(drive: &Drive) {
-    let names = Method::ALL.map(|method| format!("{method:?}").to_lowercase());
-    println!("\n| {} | {} |", drive.name, names.join(" | "));
-    println!("| --- | --- | --- | --- | --- | --- |");
+/// A table in Markdown, its heading first.
+type Table = Vec<String>;
+
+fn table(corner: &str, columns: &[String]) -> Table {
+    let rule = "| --- ".repeat(columns.len() + 1);
+    vec![
+        format!("| {corner} | {} |", columns.join(" | ")),
+        format!("{rule}|"),
+    ]
+}
+
+fn methods(corner: &str) -> Table {
+    table(
+        corner,
+        &Method::ALL.map(|method| format!("{method:?}").to_lowercase()),
+    )
+}
+
+/// Every error of one drive.
+fn errors(corner: &str, drive: &Drive) -> Table {
+    let mut table = methods(corner);
     for error in &ERRORS {
         let cells = Method::ALL.map(|method| cell(method, drive, error));
-        println!("| {} | {} |", error.name, cells.join(" | "));
+        table.push(format!("| {} | {} |", error.name, cells.join(" | ")));
     }
+    table
 }
 
 /// Every drive without an error.
-fn print_drives() {
-    let names = Method::ALL.map(|method| format!("{method:?}").to_lowercase());
-    println!("\n| no error | {} |", names.join(" | "));
-    println!("| --- | --- | --- | --- | --- | --- |");
+fn drives() -> Table {
+    let mut table = methods(ERRORS[0].name);
     let more = [faded::fading(), faded::losing()];
     for scenario in more.into_iter().chain(scenarios::unseen()) {
         let drive = scenario.drive(H);
         let cells = Method::ALL.map(|method| cell(method, &drive, &ERRORS[0]));
-        println!("| {} | {} |", drive.name, cells.join(" | "));
+        table.push(format!("| {} | {} |", drive.name, cells.join(" | ")));
     }
+    table
 }
 
 /// An error of T_e where nothing shows its offset, and after a drive that did.
-fn print_carried() {
+fn carried() -> Table {
     let (_, learnt) = calibrated(
         &scenarios::paper().drive(H),
         &Settings::CASE_1,
         torque_error,
     );
-    println!(
-        "\n| calibrating | T_e +5 % +2 N·m | T_e +2 N·m alone | +5 % +2 N·m, calibrated before |"
-    );
-    println!("| --- | --- | --- | --- |");
+    let columns = [
+        "T_e +5 % +2 N·m",
+        "T_e +2 N·m alone",
+        "+5 % +2 N·m, calibrated before",
+    ];
+    let mut table = table("calibrating", &columns.map(str::to_owned));
     for scenario in [scenarios::tip_in_tip_out(), scenarios::kick_down()] {
         let drive = scenario.drive(H);
         let cell = |settings: &Settings, sensors: fn(Sample) -> Sample| {
@@ -165,14 +185,41 @@ fn print_carried() {
             cell(&Settings::CASE_1, torque_offset),
             cell(&after(&learnt), torque_error),
         ];
-        println!("| {} | {} |", drive.name, cells.join(" | "));
+        table.push(format!("| {} | {} |", drive.name, cells.join(" | ")));
     }
+    table
 }
 
-fn main() {
-    for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(2)] {
-        print(&scenario.drive(H));
+/// The text with the tables that have one of the headings replaced.
+fn renewed(text: &str, tables: &[Table]) -> String {
+    let mut lines = text.lines().peekable();
+    let mut out = Vec::new();
+    while let Some(line) = lines.next() {
+        match tables.iter().find(|table| table[0] == line) {
+            None => out.push(line),
+            Some(table) => {
+                out.extend(table.iter().map(String::as_str));
+                while lines.next_if(|line| line.starts_with('|')).is_some() {}
+            }
+        }
     }
-    print_drives();
-    print_carried();
+    out.join("\n") + "\n"
+}
+
+fn main() -> std::io::Result<()> {
+    let tables = [
+        errors("paper's scenario", &scenarios::paper().drive(H)),
+        errors("creep", &scenarios::creep().drive(H)),
+        errors("random 2", &scenarios::random(2).drive(H)),
+        drives(),
+        carried(),
+    ];
+    let Some(path) = std::env::args_os().nth(1) else {
+        for table in &tables {
+            println!("\n{}", table.join("\n"));
+        }
+        return Ok(());
+    };
+    let text = std::fs::read_to_string(&path)?;
+    std::fs::write(path, renewed(&text, &tables))
 }
