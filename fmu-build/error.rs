@@ -37,6 +37,8 @@ pub enum Error {
         /// The name it depends on.
         dependency: String,
     },
+    /// A unit or an enumeration has the name of another one before it: `unit` or `enumeration`, name, variable.
+    TwoMeanings([&'static str; 3]),
     /// No model of this name is known.
     UnknownModel {
         /// The name asked for.
@@ -241,6 +243,10 @@ impl fmt::Display for Error {
                     "{variable} depends on {dependency}, which is not a variable of the model"
                 )
             }
+            Self::TwoMeanings([what, name, variable]) => write!(
+                f,
+                "{what} {name} of {variable} is not the {name} of a variable before it: rename it"
+            ),
             Self::UnknownModel { name, known } => write!(
                 f,
                 "there is no model {name}; the models are {}{}",

@@ -85,7 +85,7 @@ fn document<M: Model>() -> Result<Document> {
         naming: "structured",
         co_simulation: CoSimulation::of::<M>(),
         units: units::definitions(M::VARIABLES)?,
-        types: types::definitions(M::VARIABLES),
+        types: types::definitions(M::VARIABLES)?,
         log_categories: log_categories(),
         experiment: DefaultExperiment::of::<M>()?,
         variables: variables::model_variables::<M>()?,

@@ -185,3 +185,27 @@ fn a_dependency_that_is_no_variable_is_named() {
         "y depends on u, which is not a variable of the model"
     );
 }
+
+#[test]
+fn a_name_of_two_units_or_two_enumerations_is_refused() {
+    const DIFFERENCE: Unit = Unit::new("K", Unit::KELVIN.exponents, &[]);
+    static OTHER: Enumeration = Enumeration {
+        name: "Mode",
+        description: "",
+        items: &[],
+    };
+    let real = |name, unit| Variable::input(name, unit, |m: &mut Sample| &mut m.speed, "");
+    let choice =
+        |name, kind| Variable::enumeration_input(name, kind, |m: &mut Sample| &mut m.mode, "");
+    let units = |unit| super::units::definitions(&[real("a", Unit::KELVIN), real("b", unit)]);
+    let types = |kind| super::types::definitions(&[choice("a", &MODE), choice("b", kind)]);
+    assert!(units(Unit::KELVIN).is_ok() && types(&MODE).is_ok());
+    let said = "of b is not the";
+    for (error, start) in [
+        (units(DIFFERENCE).err(), "unit K"),
+        (types(&OTHER).err(), "enumeration Mode"),
+    ] {
+        let text = error.unwrap().to_string();
+        assert!(text.starts_with(&format!("{start} {said}")), "{text}");
+    }
+}

@@ -1,5 +1,6 @@
 //! `TypeDefinitions`: the enumerations that some variable uses, each once.
 
+use crate::{Error, Result};
 use fmi2_cosim::{Access, Enumeration, Variable};
 use serde::Serialize;
 
@@ -35,17 +36,23 @@ struct ItemElement {
     description: &'static str,
 }
 
-/// `None` when no variable is an enumeration.
-pub(super) fn definitions<M>(rows: &[Variable<M>]) -> Option<TypeDefinitions> {
+/// `None` when no variable is an enumeration. Two enumerations cannot have one name.
+pub(super) fn definitions<M>(rows: &[Variable<M>]) -> Result<Option<TypeDefinitions>> {
     let mut used: Vec<&'static Enumeration> = Vec::new();
     for row in rows {
-        match row.access {
-            Access::Enumeration(_, kind) if !used.contains(&kind) => used.push(kind),
-            _ => {}
+        let Access::Enumeration(_, kind) = row.access else {
+            continue;
+        };
+        match used.iter().find(|other| other.name == kind.name) {
+            None => used.push(kind),
+            Some(other) if *other == kind => {}
+            Some(_) => {
+                return Err(Error::TwoMeanings(["enumeration", kind.name, row.name]));
+            }
         }
     }
     let types: Vec<_> = used.into_iter().map(element).collect();
-    (!types.is_empty()).then_some(TypeDefinitions { types })
+    Ok((!types.is_empty()).then_some(TypeDefinitions { types }))
 }
 
 fn element(kind: &'static Enumeration) -> SimpleType {

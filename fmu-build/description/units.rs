@@ -1,7 +1,7 @@
 //! `UnitDefinitions`: the units that some variable uses, each once, in the order of the table.
 
 use super::number::finite;
-use crate::Result;
+use crate::{Error, Result};
 use fmi2_cosim::{Access, Unit, Variable};
 use serde::Serialize;
 
@@ -52,9 +52,17 @@ struct DisplayUnitElement {
     offset: Option<String>,
 }
 
-/// `None` when no variable has a unit.
+/// `None` when no variable has a unit. Two units cannot have one name, for a variable tells its unit by that.
 pub(super) fn definitions<M>(rows: &[Variable<M>]) -> Result<Option<UnitDefinitions>> {
     let units = used(&rows.iter().collect::<Vec<_>>());
+    for row in rows
+        .iter()
+        .filter(|row| matches!(row.access, Access::Real(_)))
+    {
+        if !units.contains(&row.unit) {
+            return Err(Error::TwoMeanings(["unit", row.unit.name, row.name]));
+        }
+    }
     let units = units.iter().map(element).collect::<Result<Vec<_>>>()?;
     Ok((!units.is_empty()).then_some(UnitDefinitions { units }))
 }
