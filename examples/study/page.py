@@ -21,7 +21,7 @@ import numpy as np
 import pyarrow as pa
 from dct_harness.kpi.table import number
 from dct_harness.report.study_data import Shown, StudyData, pairs
-from dct_harness.report.study_numbers import crossing, curve, heat, sensitivity, summary
+from dct_harness.report.study_numbers import crossing, heat, sensitivity, summary
 from matplotlib import colors
 from matplotlib import pyplot as plt
 from pyarrow import parquet
@@ -83,8 +83,8 @@ def breaking(data: StudyData, shown: Shown) -> str:
     """Return where the median of each method passes the limit, along each factor."""
     rows = []
     for s in shown.series:
-        curves = (curve(data.column(f["name"])[s.rows], s.values) for f in data.factors)
-        rows.append([s.label, *(crossing(shown, *c) for c in curves)])
+        columns = (data.column(f["name"])[s.rows] for f in data.factors)
+        rows.append([s.label, *(crossing(shown, x, s.values) for x in columns)])
     return table(["method", *map(title, data.factors)], rows)
 
 

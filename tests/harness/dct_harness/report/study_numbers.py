@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import importlib
+import math
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
 from ..errors import ConfigError
-from ..kpi.table import number
 from .study_data import Json, Series, Shown, StudyData
 
-CLOSE = 1.2  # of a limit: where medians within this factor of it say nothing
 BINS = 8  # of a factor, equally full
 CELLS = 6  # of a heat map, each way, equally wide
 LEAST = 3  # runs in a cell whose median is told
@@ -35,38 +36,56 @@ def summary(shown: Shown, series: Series) -> Json:
     }  # fmt: skip
 
 
-def curve(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return median of y, and of x, in equally full bins of x."""
+def _bins(x: np.ndarray, y: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return x and y in equally full bins of x; runs without a value are left out."""
     good = np.isfinite(y)
     order = np.argsort(x[good], kind="stable")
     parts = np.array_split(order, min(BINS, max(1, len(order) // LEAST)))
-    return (np.array([np.median(x[good][p]) for p in parts]),
-            np.array([np.median(y[good][p]) for p in parts]))  # fmt: skip
+    return [(x[good][p], y[good][p]) for p in parts]
 
 
-def breaks(shown: Shown, x: np.ndarray, y: np.ndarray) -> list[float]:
-    """Return where a curve crosses the limit."""
-    if shown.limit is None:
-        return []
-    above = y - shown.limit
+def curve(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return median of x, and of y, in equally full bins of x."""
+    bins = _bins(x, y)
+    return (np.array([np.median(x) for x, _ in bins]), np.array([np.median(y) for _, y in bins]))
+
+
+def sides(shown: Shown, x: np.ndarray, y: np.ndarray) -> list[tuple[float, bool | None]]:
+    """Return median of x, and whether the median of y keeps the limit, of each bin; None: unsure.
+
+    A bin is sure where both ends of the 95 % confidence interval of its median are on one side: the
+    values of ranks n/2 ± 0.98 √n, between which the median lies by the binomial distribution.
+    """
     found = []
-    for k in np.flatnonzero((above[:-1] > 0) != (above[1:] > 0)):
-        share = above[k] / (above[k] - above[k + 1])
-        found.append(float(x[k] + share * (x[k + 1] - x[k])))
+    for place, values in _bins(x, y):
+        count = len(values)
+        reach = NormalDist().inv_cdf((1 + CONFIDENCE) / 2) * count**0.5 / 2
+        ranks = np.clip([np.floor(count / 2 - reach), np.ceil(count / 2 + reach)], 0, count - 1)
+        kept = shown.keeps(np.sort(values)[ranks.astype(int)])
+        sure = kept.all() or not kept.any()
+        found.append((float(np.median(place)), bool(kept[0]) if sure else None))
     return found
 
 
 def crossing(shown: Shown, x: np.ndarray, y: np.ndarray) -> str:
-    """Return in words where a curve passes the limit; one that stays close to it passes nowhere."""
+    """Return in words between which values of x the median of y passes the limit."""
     if shown.limit is None:
         return ""
-    if shown.keeps(y).all():
-        return "never"
-    if not shown.keeps(y).any():
-        return "everywhere"
-    if y.max() < CLOSE * shown.limit and y.min() > shown.limit / CLOSE:
+    bins = sides(shown, x, y)
+    sure = [side for side in bins if side[1] is not None]
+    spans = [span(one, other) for (one, before), (other, after) in pairwise(sure)
+             if before != after]  # fmt: skip
+    if spans:
+        return ", ".join(spans)
+    if 2 * len(sure) < len(bins):
         return "at the limit"
-    return ", ".join(number(place, 3) for place in breaks(shown, x, y))
+    return "never" if sure[0][1] else "everywhere"
+
+
+def span(low: float, high: float) -> str:
+    """Return an interval with as many digits as make its width two units at least."""
+    digits = max(0, math.ceil(-math.log10((high - low) / 2)))
+    return f"{low:.{digits}f} to {high:.{digits}f}"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 from ..kpi.table import number
 from . import study_figures
 from .study_data import Json, Series, Shown, StudyData, pairs
-from .study_numbers import crossing, curve, sensitivity, summary
+from .study_numbers import crossing, sensitivity, summary
 
 WORST = 3  # runs per KPI and series
 BAND_RUNS = 400  # whose courses the bands are made of, at most
@@ -48,8 +48,7 @@ def _breaks(data: StudyData, shown: Shown, series: Series) -> Json:
     """Return where the median of a series passes the limit, per factor."""
     cells = []
     for factor in data.factors:
-        x, y = curve(data.column(factor["name"])[series.rows], series.values)
-        cells.append(crossing(shown, x, y))
+        cells.append(crossing(shown, data.column(factor["name"])[series.rows], series.values))
     return {"label": series.label, "cells": cells}
 
 
