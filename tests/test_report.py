@@ -195,6 +195,14 @@ def test_phases_in_sight_are_named_where_they_have_room(visit: Visit) -> None:
     assert list(ZOOM) in visit.page.evaluate(bands)
 
 
+OVERLAPS = """() => [...document.querySelectorAll(".plot")].flatMap((plot) => {
+  const names = [...plot.querySelectorAll(".annotation-text")];
+  const boxes = names.map((e) => e.getBoundingClientRect());
+  return boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => a.left < b.right
+    && b.left < a.right && a.top < b.bottom && b.top < a.bottom).map(() => plot.id));
+})"""  # figures whose headings overlap
+
+
 @pytest.mark.parametrize("width", [420, 768, 1366, 1920])
 def test_the_page_has_no_sideways_scroll_at_any_width(
     browser: Browser, full: Path, shots: Path, width: int
@@ -203,6 +211,7 @@ def test_the_page_has_no_sideways_scroll_at_any_width(
     page.goto(full.as_uri())
     page.wait_for_selector(DRAWN, timeout=PATIENCE)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.evaluate(OVERLAPS) == []
     page.screenshot(path=shots / f"width-{width}.png")
     page.close()
 

@@ -354,7 +354,7 @@ def test_what_is_learnt_is_drawn_with_its_band_and_what_there_is_to_learn(tmp_pa
     (panel,) = figure["panels"]
     assert panel["title"] == "δ [%]"
     assert panel["heading"] == (
-        "engine-side inertia δ: -20.00 ± 0.40 % at the end, ± 30 at first"
+        "engine-side inertia δ: −20.00 ± 0.40 % at the end, ± 30 at first"
     )  # fmt: skip
     assert [t["role"] for t in panel["traces"]] == ["band", "band", "truth", "observer"]
     assert calibration.injected(view, "observer", "inertiaError") == pytest.approx(-0.2)

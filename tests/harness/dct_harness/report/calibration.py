@@ -64,7 +64,7 @@ def _panel(
     first, last = deviation[np.flatnonzero(deviation)[0]], deviation[-1]
     digits = decimals(last)
     end = round(value[-1], digits) + 0.0  # no −0
-    found = f"{end:.{digits}f} ± {last:.{digits}f} {unit}"
+    found = f"{end:.{digits}f} ± {last:.{digits}f} {unit}".replace("-", "−")
     heading = f"{title}: {found} at the end, ± {first:.{decimals(first)}f} at first"
     return {"title": f"{title.rpartition(' ')[2]} [{unit}]", "heading": heading, "traces": traces}
 

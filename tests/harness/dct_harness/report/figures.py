@@ -222,12 +222,13 @@ def energy(views: list[View]) -> Json | None:
     ]  # fmt: skip
     if not panels:
         return None
-    columns = min(3, len(panels))
+    columns = min(2, len(panels))  # of a narrow page, with names as headings
     rows = -(-len(panels) // columns)
+    largest = max(float(np.abs(v.results[signal]).max()) for v in own)
     return {
         "id": "energy", "panels": panels, "phases": [], "columns": columns, "legend": False,
         "caption": "Energy balance of the plant", "aria": "Energy residual of each run",
-        "range": reach(own), "height": 170 * rows + 70,
+        "range": reach(own), "height": 170 * rows + 70, "largest": f"{largest:.1e}",
     }  # fmt: skip
 
 

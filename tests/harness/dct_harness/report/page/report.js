@@ -11,6 +11,7 @@
   };
   const BEFORE = { width: 1.3, dash: "dot" }; // a line of the run to compare with
   const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40, letter: 6 };
+  const NARROW = 1000; // page width [px] below which panels stand below each other
   const CONFIG = {
     responsive: true, displaylogo: false, scrollZoom: false, doubleClick: false,
     modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "resetScale2d"],
@@ -30,11 +31,23 @@
   const windowOf = (spec) => (spec.across ? spec.range : range ?? spec.range);
   const above = (spec) => (spec.legend === false ? PIXELS.heading : PIXELS.top);
 
+  const gapOf = (spec) => (spec.panels.some((p) => p.heading) ? PIXELS.heading : PIXELS.gap);
+
+  // On a narrow page, where headings and labels beside each other would overlap: one column.
+  function stack(spec) {
+    const gap = gapOf(spec);
+    const around = above(spec) + PIXELS.bottom - gap;
+    const row = (spec.height - around) / Math.ceil(spec.panels.length / spec.columns);
+    spec.height = Math.round(around + row * spec.panels.length);
+    spec.columns = 1;
+    document.getElementById(spec.id).style.height = `${spec.height}px`;
+  }
+
   // Panels row by row; returns for each its domain in paper units and whether it is lowest.
   function place(spec) {
     const rows = Math.ceil(spec.panels.length / spec.columns);
     const height = spec.height - above(spec) - PIXELS.bottom;
-    const gap = (spec.columns > 1 ? PIXELS.heading : PIXELS.gap) / height;
+    const gap = gapOf(spec) / height;
     const weights = Array.from({ length: rows }, (_, r) => spec.panels[r * spec.columns].weight ?? 1);
     const unit = (1 - gap * (rows - 1)) / weights.reduce((a, b) => a + b, 0);
     const across = spec.columns > 1 ? 0.07 : 0;
@@ -52,6 +65,8 @@
       return { y: bands[Math.floor(k / spec.columns)], x: [left, Math.min(1, left + width)], lowest };
     });
   }
+
+  if (window.innerWidth < NARROW) specs.filter((s) => s.columns > 1).forEach(stack);
 
   function traceOf(raw, k, seen, legend) {
     const names = axisNames(k);
