@@ -1,6 +1,6 @@
-//! Where the Reals of a model lie, found by the compiler: every exchange sets and gets through here.
+//! Where the variables of a model lie, found by the compiler: every exchange sets and gets through here.
 //!
-//! An accessor is a function, and to call one costs more than to move the value. So [`real`] is a
+//! An accessor is a function, and to call one costs more than to move the value. So [`known`] is a
 //! `match` with an arm per row. An arm calls the accessor on the very model it is asked about and
 //! measures how far from its start the field lies. Where the accessor does no more than point at a
 //! field, that is a constant, and the compiler turns the whole `match` into a table of numbers. A field
@@ -8,6 +8,7 @@
 //! here; they go the ordinary way.
 
 use crate::saved::Saved;
+use crate::value::Value;
 use crate::{Access, Causality, Model, Variable};
 use core::mem::{offset_of, size_of};
 use core::ptr::{from_mut, from_ref};
@@ -17,24 +18,39 @@ const ARMS: u32 = 256;
 /// Bits of a word that a row shares with few others: from the lowest one on.
 const OWN: u32 = 24;
 /// Bit of what has no place, or is no Real.
-const ELSEWHERE: u64 = 1 << 28;
+const ELSEWHERE: u32 = 1 << OWN;
 /// Bit of what the model computes.
-const COMPUTED: u64 = 1 << 29;
+const COMPUTED: u32 = 2 << OWN;
 /// Bit of what is computed on demand.
-const ON_DEMAND: u64 = 1 << 30;
+const ON_DEMAND: u32 = 4 << OWN;
+/// Bit of an Integer or an Enumeration that has a place.
+const INTEGER: u32 = 8 << OWN;
+/// Bit of a Boolean that has a place.
+const BOOLEAN: u32 = 16 << OWN;
 /// Bits of what cannot be set at a communication point.
-const FIXED: u64 = ELSEWHERE | COMPUTED;
-/// Where in a word the distance from the start of [`Saved`] begins: above what the bits of [`OWN`] rows add up to.
-const DISTANCE: u32 = 36;
-/// The largest distance that fits above it.
-const FARTHEST: u64 = u64::MAX >> DISTANCE;
-const _: () = assert!((OWN as u64 + 1) * (ELSEWHERE | COMPUTED | ON_DEMAND) < 1 << DISTANCE);
+const FIXED: u32 = ELSEWHERE | COMPUTED;
 
-/// What is known of a Real.
+/// A type other than Real whose values have places.
+pub trait Other: Value {
+    /// Bit of its rows.
+    const BIT: u32;
+}
+
+impl Other for i32 {
+    const BIT: u32 = INTEGER;
+}
+
+impl Other for bool {
+    const BIT: u32 = BOOLEAN;
+}
+
+/// What is known of a variable.
 #[derive(Clone, Copy)]
-struct Real {
-    /// Its own bit, those of its role, and its distance from the start of [`Saved`].
-    word: u64,
+struct Known {
+    /// Its own bit, those of its role and type.
+    word: u32,
+    /// Bytes from the start of [`Saved`] to it.
+    distance: u32,
     /// Smallest legal value; finite.
     low: f64,
     /// Largest legal value; finite.
@@ -69,24 +85,57 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
         if reference >= ARMS {
             return false;
         }
-        words |= real(saved, reference).word;
+        words |= known(saved, reference).word;
     }
     let on_demand = const { some_on_demand::<M>() } && words & ON_DEMAND != 0;
     let plain = words & ELSEWHERE == 0 && (!(on_demand && saved.late) || computed(saved));
     if plain {
         for (&reference, value) in references.iter().zip(values.iter_mut()).rev() {
-            *value = *field(saved, reference);
+            // SAFETY: all are Reals.
+            *value = *unsafe { field::<M, f64>(saved, reference) };
         }
     }
     plain && (!on_demand || are_numbers(values))
 }
 
-/// Whether values are numbers; else the ordinary way tells what is none.
+/// Reads values of another type if all references are of that type and have a place, and none waits to be computed;
+/// else it does nothing and returns false.
+#[inline(always)]
+pub(crate) fn get_others<M: Model, T: Other, A: From<T>>(
+    saved: &mut Saved<M>,
+    references: &[u32],
+    values: &mut [A],
+) -> bool {
+    let mut words = 0;
+    for &reference in references.iter().rev() {
+        let word = known(saved, reference).word;
+        if reference >= ARMS || word & T::BIT == 0 {
+            return false;
+        }
+        words |= word;
+    }
+    if const { some_on_demand::<M>() } && words & ON_DEMAND != 0 && saved.late {
+        return false;
+    }
+    for (&reference, value) in references.iter().zip(values).rev() {
+        // SAFETY: all are of this type.
+        *value = (*unsafe { field::<M, T>(saved, reference) }).into();
+    }
+    true
+}
+
+/// Whether values are numbers; else, or where they are too large for a sum, the ordinary way tells what is none.
 #[inline(never)]
 fn are_numbers(values: &[f64]) -> bool {
-    values
-        .iter()
-        .fold(true, |all, value| all & value.is_finite())
+    let (lanes, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for lane in lanes {
+        sums.iter_mut()
+            .zip(lane)
+            .for_each(|(sum, value)| *sum += value);
+    }
+    let sum: f64 = sums.iter().chain(rest).sum();
+    sum.is_finite()
 }
 
 /// Computes what waits for it; false where the model has to be watched at that.
@@ -104,43 +153,54 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
     }
     let mut value = values.as_ptr_range().end;
     // Bits that are there once add up to what they are together; those that may not be there are there before.
-    let (mut words, mut sum) = (FIXED, FIXED);
+    let (mut words, mut sum) = (FIXED, u64::from(FIXED));
     for &reference in references.iter().rev() {
         if reference >= ARMS {
             return false;
         }
-        let known = real(saved, reference);
+        let known = known(saved, reference);
         value = value.wrapping_sub(1);
         // SAFETY: it is the value of the reference; there are as many of both.
         if !(known.low..=known.high).contains(unsafe { &*value }) {
             return false;
         }
         words |= known.word;
-        sum = sum.wrapping_add(known.word);
+        sum = sum.wrapping_add(known.word.into());
     }
-    let plain = (words ^ sum) << (u64::BITS - DISTANCE) == 0;
+    let plain = sum == words.into();
     if plain {
         for (&reference, &value) in references.iter().zip(values).rev() {
-            *field(saved, reference) = value;
+            // SAFETY: all are Reals.
+            *unsafe { field::<M, f64>(saved, reference) } = value;
         }
     }
     plain
 }
 
-/// The Real of a reference that is below [`ARMS`] and has a place; of any other one, another one.
+/// The field of a reference that is below [`ARMS`].
+///
+/// # Safety
+/// It is a variable of type `T`.
 #[inline(always)]
-fn field<M: Model>(saved: &mut Saved<M>, reference: u32) -> &mut f64 {
-    let distance = real(saved, reference).word >> DISTANCE;
-    // SAFETY: just now and on this very `saved`, `arm` measured the distance to an f64 that lies in it;
-    // that of `nowhere` leads to an f64 as well. The result borrows all of `saved`.
-    unsafe { &mut *from_mut(saved).byte_add(distance as usize).cast::<f64>() }
+unsafe fn field<M: Model, T>(saved: &mut Saved<M>, reference: u32) -> &mut T {
+    let distance = known(saved, reference).distance;
+    // SAFETY: just now and on this very `saved`, `arm` measured the distance to a T that lies in it; that of `nowhere`
+    // leads to what can be read as one. The result borrows all of `saved`.
+    unsafe { &mut *from_mut(saved).byte_add(distance as usize).cast::<T>() }
 }
 
-impl Real {
-    const fn nowhere<M>() -> Self {
-        const { assert!(size_of::<Saved<M>>() as u64 <= FARTHEST) };
+impl Known {
+    /// What has no place; its distance leads to something of the same type.
+    #[inline(always)]
+    fn nowhere<M>(access: Option<Access<M>>) -> Self {
+        const { assert!(size_of::<Saved<M>>() as u64 <= u32::MAX as u64) };
+        let distance = match access {
+            Some(Access::Boolean(_)) => offset_of!(Saved<M>, stale),
+            _ => offset_of!(Saved<M>, time), // what an f64 consists of is an i32, too
+        };
         Self {
-            word: ELSEWHERE | (offset_of!(Saved<M>, time) as u64) << DISTANCE,
+            word: ELSEWHERE,
+            distance: u32::try_from(distance).unwrap_or_default(),
             low: f64::MIN,
             high: f64::MAX,
         }
@@ -153,9 +213,16 @@ impl Real {
             Causality::Output | Causality::Local => COMPUTED,
             _ => 0,
         };
+        let kind = match row.access {
+            Access::Real(_) => 0,
+            Access::Integer(_) | Access::Enumeration(..) => ELSEWHERE | INTEGER,
+            Access::Boolean(_) => ELSEWHERE | BOOLEAN,
+            Access::String(_) => ELSEWHERE,
+        };
         let (low, high) = (row.min, row.max);
         Self {
-            word: role | 1 << (index % OWN as usize),
+            word: role | kind | 1 << (index % OWN as usize),
+            distance: 0,
             low: if let Some(low) = low { low } else { f64::MIN },
             high: if let Some(high) = high {
                 high
@@ -166,19 +233,16 @@ impl Real {
     }
 }
 
-type Field<M> = fn(&mut M) -> &mut f64;
-
-/// Accessor and role of a row that is a Real, but no parameter.
-const fn row<M: Model>(index: usize) -> Option<(Field<M>, Real)> {
+/// Accessor and role of a row that is no parameter.
+const fn row<M: Model>(index: usize) -> Option<(Access<M>, Known)> {
     if index >= M::VARIABLES.len() {
         return None;
     }
     let row = &M::VARIABLES[index];
-    match (row.access, row.causality) {
+    match row.causality {
         // To reach a parameter a model may have to do more than to point at it.
-        (_, Causality::Parameter) => None,
-        (Access::Real(field), _) => Some((field, Real::of(row, index))),
-        _ => None,
+        Causality::Parameter => None,
+        _ => Some((row.access, Known::of(row, index))),
     }
 }
 
@@ -187,18 +251,33 @@ const fn index(row: i8) -> usize {
     row.cast_unsigned().wrapping_add(128) as usize
 }
 
+/// Address and size of the field that an accessor leads to.
 #[inline(always)]
-fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Real {
-    let Some((field, real)) = (const { row::<M>(index(ROW)) }) else {
-        return Real::nowhere::<M>();
+fn place<M>(access: Access<M>, model: &mut M) -> (usize, usize) {
+    match access {
+        Access::Real(field) => (from_ref(field(model)).addr(), size_of::<f64>()),
+        Access::Boolean(field) => (from_ref(field(model)).addr(), size_of::<bool>()),
+        Access::String(field) => (from_ref(field(model)).addr(), size_of::<String>()),
+        Access::Integer(field) | Access::Enumeration(field, _) => {
+            (from_ref(field(model)).addr(), size_of::<i32>())
+        }
+    }
+}
+
+#[inline(always)]
+fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Known {
+    let Some((access, known)) = (const { row::<M>(index(ROW)) }) else {
+        return Known::nowhere::<M>(None);
     };
     let start = from_ref(saved).addr();
-    let distance = from_ref(field(&mut saved.model)).addr().wrapping_sub(start);
-    if distance <= size_of::<Saved<M>>() - size_of::<f64>() && distance as u64 <= FARTHEST {
-        let word = real.word | (distance as u64) << DISTANCE;
-        Real { word, ..real }
-    } else {
-        Real::nowhere::<M>()
+    let (address, size) = place(access, &mut saved.model);
+    let distance = address.wrapping_sub(start);
+    match u32::try_from(distance) {
+        Ok(near) if distance <= size_of::<Saved<M>>() - size => Known {
+            distance: near,
+            ..known
+        },
+        _ => Known::nowhere(Some(access)),
     }
 }
 
@@ -216,7 +295,7 @@ macro_rules! match_rows {
 /// convert.
 #[rustfmt::skip] // a list
 #[inline(always)]
-fn real<M: Model>(saved: &mut Saved<M>, reference: u32) -> Real {
+fn known<M: Model>(saved: &mut Saved<M>, reference: u32) -> Known {
     match_rows!(reference, saved:
         -128 -127 -126 -125 -124 -123 -122 -121 -120 -119 -118 -117 -116 -115 -114 -113 -112 -111
         -110 -109 -108 -107 -106 -105 -104 -103 -102 -101 -100 -99 -98 -97 -96 -95 -94 -93 -92 -91
@@ -233,156 +312,4 @@ fn real<M: Model>(saved: &mut Saved<M>, reference: u32) -> Real {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{ARMS, get, set};
-    use crate::saved::Saved;
-    use crate::{Experiment, Failure, Log, Model, StateFields, Unit, Variable};
-
-    /// Reals in the model and outside of it, of every role.
-    #[derive(Clone)]
-    struct Shelf {
-        near: [f64; 200],
-        far: Box<f64>,
-        count: i32,
-    }
-
-    impl Default for Shelf {
-        fn default() -> Self {
-            let near = core::array::from_fn(|index| f64::from(u8::try_from(index).unwrap()));
-            Self {
-                near,
-                far: Box::new(-1.0),
-                count: 0,
-            }
-        }
-    }
-
-    const fn near<const K: usize>() -> Variable<Shelf> {
-        Variable::input("near", Unit::ONE, |m: &mut Shelf| &mut m.near[K], "")
-    }
-
-    const INPUT: u32 = 0;
-    const TUNABLE: u32 = 1;
-    const FIXED: u32 = 2;
-    const OUTPUT: u32 = 3;
-    const INTEGER: u32 = 4;
-    const FAR: u32 = 5;
-    const FREE: u32 = 6;
-    const ONE_OF_MANY: u32 = 24; // shares its bit with INPUT
-    const LAST: u32 = ARMS - 1;
-    const BEYOND: u32 = ARMS;
-
-    impl Model for Shelf {
-        const NAME: &'static str = "Shelf";
-        const DESCRIPTION: &'static str = "";
-        const EXPERIMENT: Experiment = Experiment {
-            start: 0.0,
-            stop: 1.0,
-            step: 0.1,
-        };
-        const VARIABLES: &'static [Variable<Self>] = &{
-            let mut rows = [near::<150>(); 260];
-            rows[0] = near::<0>().min(-1.0).max(2.0);
-            rows[1] =
-                Variable::parameter("", Unit::ONE, |m: &mut Self| &mut m.near[1], "").tunable();
-            rows[2] = Variable::parameter("", Unit::ONE, |m: &mut Self| &mut m.near[2], "");
-            rows[3] = Variable::output("", Unit::ONE, |m: &mut Self| &mut m.near[3], "");
-            rows[4] = Variable::integer_input("", |m: &mut Self| &mut m.count, "");
-            rows[5] = Variable::input("", Unit::ONE, |m: &mut Self| &mut m.far, "");
-            rows[6] = near::<4>();
-            rows
-        };
-
-        fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
-            Ok(())
-        }
-
-        fn step(&mut self, _: f64, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
-            Ok(())
-        }
-
-        fn hidden_state(&mut self, _: &mut dyn StateFields) {}
-    }
-
-    #[test]
-    fn a_reference_leads_to_the_field_of_its_row() {
-        let mut shelf = Saved::<Shelf>::new();
-        let references = [INPUT, FREE, OUTPUT, ONE_OF_MANY, LAST];
-        let mut values = [f64::NAN; 5];
-        assert!(get(&mut shelf, &references, &mut values));
-        assert_eq!(values, [0.0, 4.0, 3.0, 150.0, 150.0]);
-        assert!(set(&mut shelf, &[FREE, LAST], &[-0.5, 7.0]));
-        assert_eq!(shelf.model.near[..5], [0.0, 1.0, 2.0, 3.0, -0.5]);
-        assert_eq!(shelf.model.near[150], 7.0);
-    }
-
-    #[test]
-    fn what_is_no_real_in_the_model_itself_goes_the_ordinary_way() {
-        let mut shelf = Saved::<Shelf>::new();
-        let mut values = [f64::NAN; 2];
-        for reference in [
-            TUNABLE,
-            FIXED,
-            INTEGER,
-            FAR,
-            BEYOND,
-            BEYOND + 1,
-            BEYOND + 2,
-            u32::MAX,
-        ] {
-            let references = [INPUT, reference];
-            assert!(!get(&mut shelf, &references, &mut values), "{reference}");
-            assert!(!set(&mut shelf, &references, &[1.0; 2]), "{reference}");
-        }
-        assert!(values.iter().all(|value| value.is_nan()));
-        let Shelf { near, far, count } = shelf.model;
-        assert_eq!((near[0], *far, count), (0.0, -1.0, 0));
-    }
-
-    /// Whether it is plain to set these; if it is not, nothing changes.
-    fn plain(references: &[u32], values: &[f64]) -> bool {
-        let mut shelf = Saved::<Shelf>::new();
-        let before = shelf.model.near;
-        let plain = set(&mut shelf, references, values);
-        assert!(plain || shelf.model.near == before);
-        plain
-    }
-
-    #[test]
-    fn inputs_are_plain_to_set() {
-        for (reference, expected) in [
-            (INPUT, true),
-            (FREE, true),
-            (TUNABLE, false),
-            (FIXED, false),
-            (OUTPUT, false),
-        ] {
-            assert_eq!(plain(&[reference], &[0.5]), expected, "{reference}");
-            assert_eq!(
-                plain(&[LAST, reference], &[0.5; 2]),
-                expected,
-                "{reference}"
-            );
-        }
-    }
-
-    #[test]
-    fn values_that_are_not_finite_or_out_of_range_and_repetitions_need_a_second_look() {
-        for (value, expected) in [(-1.0, true), (2.0, true), (-1.1, false), (2.1, false)] {
-            assert_eq!(plain(&[INPUT], &[value]), expected, "{value}");
-        }
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert!(!plain(&[INPUT], &[value]));
-            assert!(!plain(&[LAST, FREE], &[0.0, value]));
-            assert!(!plain(&[FREE], &[value]));
-        }
-        assert!(plain(&[FREE], &[f64::MAX]));
-        for twice in [[INPUT, INPUT], [FREE, FREE], [INPUT, ONE_OF_MANY]] {
-            assert!(!plain(&twice, &[0.0; 2]));
-        }
-        for reference in [FREE, OUTPUT, FAR] {
-            let many = [reference; super::OWN as usize];
-            assert!((2..=many.len()).all(|count| !plain(&many[..count], &[0.0; 24][..count])));
-        }
-    }
-}
+mod tests;

@@ -1,6 +1,7 @@
 //! Variables at the C boundary: typed access, derivatives, the status of the last step.
 
 use super::pointer::{place, slice, slice_mut, usable};
+use super::real::Other;
 use super::{Component, Library, Status, real};
 use crate::handle::Entered;
 use crate::value::Value;
@@ -140,7 +141,8 @@ impl<M: Model> Library<M> {
     }
 
     /// `fmi2GetInteger` and, with `A` an int, `fmi2GetBoolean`: what is plain at once.
-    pub unsafe fn get_others<T: Value, A: From<T>>(
+    #[inline(always)]
+    pub unsafe fn get_others<T: Other, A: From<T>>(
         &self,
         component: *mut c_void,
         references: *const u32,

@@ -1,9 +1,7 @@
 //! An ordinary exchange, without a second look at it.
 
 use super::{Instance, TIME_TOLERANCE};
-use crate::ffi::real;
-use crate::saved::Saved;
-use crate::value::{Value, find};
+use crate::ffi::real::{self, Other};
 use crate::{Error, Log, Model, State};
 
 impl<M: Model> Instance<M> {
@@ -27,27 +25,12 @@ impl<M: Model> Instance<M> {
 
     /// [`Self::get`] of another type where that needs no second look; else it does nothing and returns false.
     #[inline(always)]
-    pub(crate) fn get_others_plainly<T: Value, A: From<T>>(
+    pub(crate) fn get_others_plainly<T: Other, A: From<T>>(
         &mut self,
         references: &[u32],
         values: &mut [A],
     ) -> bool {
-        let Saved {
-            model, late, stale, ..
-        } = &mut self.now;
-        let plain = |reference: &u32| {
-            let found = find::<M, T>(*reference);
-            found.is_ok_and(|(row, _)| !(*late && row.on_demand))
-        };
-        if *stale || !references.iter().all(plain) {
-            return false;
-        }
-        for (reference, value) in references.iter().zip(values) {
-            if let Ok((_, field)) = find::<M, T>(*reference) {
-                *value = (*field(model)).into();
-            }
-        }
-        true
+        !self.now.stale && real::get_others::<M, T, A>(&mut self.now, references, values)
     }
 
     /// [`Self::set`] of Reals where that needs no second look; else it does nothing and returns false.
