@@ -94,15 +94,13 @@ impl ClutchControl {
     ///
     /// An observer that gives no μ̂ (0) is asked for μ̂·f, which the present position turns into one.
     fn learnt(&self, i: usize) -> Option<f64> {
+        let (friction, mu_f) = (self.estimate.friction[i], self.estimate.mu_f[i]);
+        if friction > 0.0 {
+            return Some(friction);
+        }
         let theta = self.state.servo[i].position;
         let force = self.p.clutch[i].map.force(theta);
-        if self.estimate.friction[i] > 0.0 {
-            Some(self.estimate.friction[i])
-        } else if force > 0.0 && self.estimate.mu_f[i] > 0.0 {
-            Some(self.estimate.mu_f[i] * theta / force)
-        } else {
-            None
-        }
+        (force > 0.0 && mu_f > 0.0).then(|| mu_f * theta / force)
     }
 
     /// Friction coefficient to count on [1]: one that is not valid any more stays the last that was.
