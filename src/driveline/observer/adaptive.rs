@@ -343,19 +343,15 @@ impl Adaptive {
         let (mu_f, t_c) = self.torques(settings, &now.levers);
         let (t_c_deviation, t_o_deviation) = self.unexplained(now);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(settings, at, engaged, fault);
-        Estimate {
-            t_c,
-            t_o: self.x_hat[2],
-            t_c_deviation,
-            t_o_deviation,
-            t_v: now.t_v,
-            mu_f,
-            epsilon: self.epsilon,
-            friction: self.friction.mu,
-            innovation: self.innovation.into(),
-            ..common
-        }
+        // Written where it is returned: it is large, and to move it costs as much as to find it.
+        let mut y = common_estimate(settings, at, engaged, fault);
+        (y.t_c, y.t_c_deviation) = (t_c, t_c_deviation);
+        (y.t_o, y.t_o_deviation) = (self.x_hat[2], t_o_deviation);
+        y.t_v = now.t_v;
+        (y.mu_f, y.epsilon) = (mu_f, self.epsilon);
+        y.friction = self.friction.mu;
+        y.innovation = self.innovation.into();
+        y
     }
 
     /// Torques that L injects where the model leaves the motion unexplained [N·m]: an error of T_ci
