@@ -12,7 +12,7 @@
 //! measurements, whose noise would bias what is learnt; while a clutch slips they are smoothed as well. T_s has
 //! little noise, so the twist of the drive shaft is what torques are measured against. A slipping clutch moves
 //! with its force, an engaged one with the damper ([`grip`], carry.rs). Parameters walk slowly. How noisy the speeds are
-//! is heard from the innovations ([`heard`]).
+//! is heard from the innovations ([`heard`]), how fast T_v walks is seen from T̂_v ([`walk`]).
 //!
 //! **What can be told apart, phase by phase.** One clutch engaged, the other open: T_c is known twice, from
 //! the shaft (J_out ω_o' + T_o = g T_c) and from the engine (J_ed (1+δ) ω_e' = T_e + β − T_c). A steady drive
@@ -43,6 +43,7 @@
 //! [`grip`]: crate::observer::grip
 //! [`anchor`]: crate::observer::anchor
 //! [`heard`]: crate::observer::heard
+//! [`walk`]: crate::observer::walk
 
 use crate::Params;
 use crate::observer::anchor::{Anchor, WITNESSES};
@@ -59,6 +60,7 @@ use crate::observer::instant::Instant;
 use crate::observer::prior::Prior;
 use crate::observer::standstill::unsure;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
+use crate::observer::walk::Walk;
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use nalgebra::{ComplexField, SMatrix, SVector};
 
@@ -76,8 +78,8 @@ const SMOOTH: f64 = 0.03;
 /// What the filter believes of its noises and of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gains {
-    /// q_T, q_v, q_w, q_s: intensities of the friction of a slipping clutch, relative [1/s], T_v [(N·m)²/s], speeds
-    /// [(rad/s)²/s], T_s [(N·m)²/s].
+    /// q_T, q_v, q_w, q_s: intensities of the friction of a slipping clutch, relative [1/s], T_v, at most [(N·m)²/s],
+    /// speeds [(rad/s)²/s], T_s [(N·m)²/s].
     pub q: [f64; 4],
     /// Intensities of β, δ, w, κ, γ, λ, ν per second, shape (7), where their deviation is not 0.
     pub walk: [f64; LEARNT],
@@ -96,7 +98,7 @@ pub struct Gains {
 impl Gains {
     /// Per second, so for every step.
     pub const DEFAULT: Self = Self {
-        q: [0.1, 500.0, 1e-6, 0.5],
+        q: [0.1, 2000.0, 1e-6, 0.5],
         walk: [1e-5, 1e-7, 1e-9, 1e-8, 1e-8, 1e-8, 1e-8],
         sigma: [0.06, 3.0, 0.3, 0.02, 0.1, 0.2, 0.1, 0.2],
         prior: Prior::NONE,
@@ -160,6 +162,8 @@ pub struct Calibrating {
     pub map: [FrictionMap; 2],
     /// The noise of the speeds.
     pub heard: Heard,
+    /// How fast T_v walks.
+    pub walk: Walk,
 }
 
 impl Observer for Calibrating {
@@ -181,6 +185,7 @@ impl Observer for Calibrating {
         self.tracker.start(p, sample, WHEEL);
         let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
+        self.walk.mean = self.tracker.belief.x[T_V];
         self.estimate(p, settings, sample)
     }
 
@@ -223,6 +228,7 @@ impl Observer for Calibrating {
         self.slope.iter_mut().for_each(&mut *visit);
         self.map.iter_mut().for_each(|map| map.visit(visit));
         self.heard.visit(visit);
+        self.walk.visit(visit);
     }
 }
 
@@ -259,6 +265,10 @@ impl Calibrating {
         self.slope = smoothed(motion.slope);
         let gains = &settings.calibrating;
         let mut q = gains.intensities(&gains.start());
+        let quiet = self.heard.quiet(gains.sensor);
+        q[T_V] = self
+            .walk
+            .intensity(self.tracker.belief.x[T_V], quiet, q[T_V], h);
         self.tracker.noise(&model, hold, &mut q);
         let q = q * h;
         let belief = &mut self.tracker.belief;

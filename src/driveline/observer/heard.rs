@@ -51,6 +51,11 @@ impl Heard {
         ComplexField::sqrt(self.variance).clamp(least, believed)
     }
 
+    /// Deviation of a speed over the one that is `believed` [1], in handovers and of counted speeds as well.
+    pub fn quiet(&self, believed: f64) -> f64 {
+        (ComplexField::sqrt(self.variance) / believed).clamp(QUIET, 1.0)
+    }
+
     /// Hears the innovations of ω_e, ω_o, ω_w [rad/s], shape (3); that of ω_o is of both input shafts, g ω_o.
     pub fn listen(&mut self, g: [f64; 2], innovation: [f64; 3], believed: f64, h: f64) {
         let ([one, two], [e, o, w]) = (g, innovation);

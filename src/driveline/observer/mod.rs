@@ -47,6 +47,7 @@ pub mod speeds;
 mod standstill;
 mod ticks;
 mod tracker;
+pub mod walk;
 
 pub use calibrating::Calibrating;
 pub use calibration::Calibration;

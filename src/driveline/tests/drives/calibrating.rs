@@ -150,11 +150,16 @@ fn noise_costs_little() {
     }
 }
 
-/// Of 20 seeds, T_o in the middle keeps the goal of 2.5 %, the worst does not: what q_v leaves of what noise does to λ.
+/// Of 20 seeds each: creep and kick-down had 3.0 and 3.2 % at most, the paper's scenario 4.3, while T_v was believed to
+/// walk at one pace everywhere.
 #[test]
-fn noise_costs_little_of_the_drive_shaft_where_it_is_hardest_to_tell() {
-    const WORST: f64 = 3.3;
-    for scenario in [scenarios::creep(), scenarios::kick_down()] {
+fn noise_costs_little_of_the_drive_shaft_whatever_its_seed() {
+    for (scenario, middle) in [
+        (scenarios::creep(), 1.4),
+        (scenarios::kick_down(), 2.0),
+        (scenarios::paper(), 1.3),
+        (scenarios::random(4), 1.5),
+    ] {
         let drive = scenario.drive(H);
         let mut t_o: Vec<f64> = (1..=20)
             .map(|seed| run(Method::Calibrating, &drive, |_| {}, noisy(0.1, seed)).0[2])
@@ -162,7 +167,7 @@ fn noise_costs_little_of_the_drive_shaft_where_it_is_hardest_to_tell() {
         t_o.sort_by(f64::total_cmp);
         println!("{}: {t_o:.2?} %", drive.name);
         assert!(
-            t_o[10] < NOISY[2] && t_o[19] < WORST,
+            t_o[10] < middle && t_o[19] < NOISY[2],
             "{}: {t_o:.2?} %",
             drive.name
         );

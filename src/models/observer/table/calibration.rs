@@ -238,7 +238,7 @@ pub(super) const ANCHORS: [Variable<Observer>; 13] = [
         "gain.calibrating.load",
         SQUARE_TORQUE_PER_SECOND,
         |m| &mut m.settings.calibrating.q[1],
-        "q_v: intensity of the load torque, calibrating",
+        "q_v: intensity of the load torque, at most, calibrating",
     )
     .tunable(),
     believed(

@@ -1,0 +1,112 @@
+//! How fast T_v walks, as its estimate tells.
+//!
+//! No pace of T_v suits all: on a ramp it changes by 100 N·m/s, on a level road not at all. Believed to walk faster than
+//! it does, it follows the noise of the speeds, and what it then takes back looks like an inertia. A random walk of
+//! intensity q is off its own mean through a low pass by q τ/2 in the mean square; a ramp, and what the model lacks, by
+//! more. So
+//!
+//! ```text
+//! τ T̄_v' = T̂_v − T̄_v,   q̂ = 2 (T̂_v − T̄_v)²/τ          q_v = q̂, but at least q_0 (σ_0/σ)³ and at most what is believed
+//! ```
+//!
+//! with σ_0 the noise that is believed and σ what is heard ([`heard`](crate::observer::heard)): where speeds are quiet,
+//! a T_v that is free costs little, and takes what the model lacks. The power was chosen so that T_v is as free on half of
+//! the noise as it was when one pace had to do.
+
+use crate::observer::Visit;
+
+/// Time constant of the mean [s].
+const TAU: f64 = 1.0;
+/// q_0: least intensity on speeds as noisy as is believed [(N·m)²/s].
+const LEAST: f64 = 50.0;
+/// Step up to which that is enough [s]: over longer ones held inputs miss more.
+const STEP: f64 = 1e-3;
+/// Least intensity on quiet speeds [(N·m)²/s].
+const QUIET: f64 = 500.0;
+
+/// What was seen of T_v.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Walk {
+    /// T̄_v: T̂_v through the low pass [N·m].
+    pub mean: f64,
+}
+
+impl Walk {
+    /// Intensity of T_v [(N·m)²/s], at most `most`, that is now `t_v` [N·m], `h` [s] after the last one.
+    ///
+    /// `quiet`: deviation of a speed that is heard over the one that is believed [1].
+    pub fn intensity(&mut self, t_v: f64, quiet: f64, most: f64, h: f64) -> f64 {
+        self.mean += (t_v - self.mean) * (h / (h + TAU));
+        let off = t_v - self.mean;
+        let least = LEAST / (quiet * quiet * quiet) * (h / STEP).max(1.0);
+        (2.0 * off * off / TAU).max(least.min(QUIET)).min(most)
+    }
+
+    /// Visits every number of the state.
+    pub fn visit(&mut self, visit: Visit<'_>) {
+        visit(&mut self.mean);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LEAST, QUIET, Walk};
+
+    const MOST: f64 = 2000.0;
+    const H: f64 = 1e-3;
+
+    /// The last intensity after 5 s of `t_v`.
+    fn after(t_v: impl Fn(f64) -> f64, quiet: f64) -> f64 {
+        let mut walk = Walk { mean: t_v(0.0) };
+        let steps = (1..=5000).map(|k| t_v(f64::from(k) * H));
+        steps.fold(0.0, |_, t_v| walk.intensity(t_v, quiet, MOST, H))
+    }
+
+    #[test]
+    fn a_load_that_stays_walks_the_less_the_noisier_the_speeds() {
+        assert_eq!(after(|_| 200.0, 1.0), LEAST);
+        assert!((after(|_| 200.0, 0.8) / LEAST - 1.953_125).abs() < 1e-9);
+        assert_eq!(after(|_| 200.0, 0.2), QUIET);
+    }
+
+    /// What is believed stands above all.
+    #[test]
+    fn a_load_walks_no_faster_than_is_believed() {
+        let mut walk = Walk::default();
+        assert_eq!(walk.intensity(1e3, 0.2, 20.0, H), 20.0);
+        assert_eq!(walk.intensity(1e3, 1.0, 0.0, H), 0.0);
+    }
+
+    /// Of 10 ms, as of ten steps at once.
+    #[test]
+    fn a_long_step_leaves_the_load_free() {
+        let mut walk = Walk { mean: 200.0 };
+        assert!((walk.intensity(200.0, 1.0, MOST, 1e-2) - QUIET).abs() < 1e-9);
+        assert!((walk.intensity(200.0, 1.0, MOST, 1e-4) - LEAST).abs() < 1e-9);
+    }
+
+    /// It lags a ramp by τ.
+    #[test]
+    fn a_load_on_a_ramp_walks_as_fast_as_the_ramp() {
+        let ramp = |rate: f64| after(|time| rate * time, 1.0);
+        assert!((ramp(20.0) / 800.0 - 1.0).abs() < 0.02, "{}", ramp(20.0));
+        assert_eq!(ramp(100.0), MOST);
+    }
+
+    /// Steps that come by chance, of intensity q: so is the mean of what is told.
+    #[test]
+    fn a_random_walk_has_its_own_intensity() {
+        const Q: f64 = 400.0;
+        let (mut walk, mut t_v, mut random, mut sum) = (Walk::default(), 0.0, 1_u64, 0.0);
+        let steps = 1_000_000;
+        for _ in 0..steps {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            t_v += if random >> 63 == 1 { 1.0 } else { -1.0 } * f64::sqrt(Q * H);
+            sum += walk.intensity(t_v, f64::INFINITY, f64::INFINITY, H);
+        }
+        let mean = sum / f64::from(steps);
+        assert!((mean / Q - 1.0).abs() < 0.15, "{mean} of {Q} (N·m)²/s");
+    }
+}
