@@ -29,7 +29,7 @@
 //! clutch 1 slips: launch               0.03   0.02   0.06   0.07   0.07   0.22   0.11
 //! clutch 1 engages, the shaft swings   0.17   0.09   0.06   0.24   0.13   0.25   0.12
 //! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.97   0.25   0.15
-//! handover                             0.20   0.05   0.20   0.47   0.34   0.36   0.18
+//! handover                             0.18   0.04   0.14   0.42   0.30   0.35   0.15
 //! clutch 1 engaged: tip-in             0.56   0.15   0.06   0.28   0.16   0.63   0.16
 //! ```
 //!
@@ -194,7 +194,7 @@ impl Observer for Calibrating {
             return self.refuse(settings);
         }
         let (p, sample) = &self.known(p, settings, sample);
-        self.tracker.follow(p, sample, WHEEL, h);
+        self.tracker.follow(p, sample, h);
         let hold = self
             .grip
             .step(p, sample, &self.tracker.lock, self.tracker.engaged);
@@ -204,8 +204,7 @@ impl Observer for Calibrating {
         self.predict(moving, settings, sample, hold, h);
         let believed = settings.calibrating.sensor;
         let sensor = self.heard.sensor(p, settings, sample, h);
-        self.tracker
-            .correct(p, sample, [sensor, believed], WHEEL, h);
+        self.tracker.correct(p, sample, sensor, believed, WHEEL, h);
         self.heard
             .listen(p.g(sample.gear), self.tracker.innovation, believed, h);
         self.tracker.remember(p, sample, hold, h);

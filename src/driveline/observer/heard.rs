@@ -7,8 +7,11 @@
 //! σ̂² = mean of ν² over 0.1 s        σ = σ̂, but at least 0.2 of what is believed and at most all of it
 //! ```
 //!
-//! In a handover σ is what is believed: clutches break away from one sample to the next, and the engine swings against
-//! the damper behind them, which is no state of the filter while they slip. Nor is σ less than what inputs that are held
+//! In a handover σ of engine and gearbox is what is believed: clutches break away from one sample to the next, and the
+//! engine swings against the damper behind them, which is no state of the filter while they slip. The wheels, behind the
+//! drive shaft, feel none of it, and σ of ω_w is the mean of its own ν² alone. How well the torque of the drive shaft
+//! is known after the handover rests on it: its change is k_o ∫ (ω_o − ω_w) dt, and ω_o is measured by two shafts that turn
+//! g times as fast. Nor is σ less than what inputs that are held
 //! over a step miss, a few N·m on J_e: at 100 Hz that is all of it. Speeds that are counted have passed a filter
 //! ([`encoder`](crate::observer::encoder)): what is left of their noise is not white, and innovations do not show it.
 
@@ -29,31 +32,38 @@ const LOUD: f64 = 10.0;
 /// What was heard.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Heard {
-    /// σ̂² of a measured speed [(rad/s)²].
-    pub variance: f64,
+    /// σ̂² of a measured speed, and of ω_w by itself [(rad/s)²], shape (2).
+    pub variance: [f64; 2],
 }
 
 impl Heard {
     /// Nothing heard yet: the deviation that is believed [rad/s].
     pub fn new(believed: f64) -> Self {
         Self {
-            variance: believed * believed,
+            variance: [believed * believed; 2],
         }
     }
 
-    /// Deviation of a speed in a sample `h` [s] after the last one [rad/s].
-    pub fn sensor(&self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> f64 {
+    /// Deviations of ω_e, ω_c1, ω_c2 and of ω_w in a sample `h` [s] after the last one [rad/s], shape (2).
+    pub fn sensor(&self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> [f64; 2] {
         let believed = settings.calibrating.sensor;
-        if pressed(p, sample) == [true; 2] || settings.encoder != [0.0; 4] {
-            return believed;
+        if settings.encoder != [0.0; 4] {
+            return [believed; 2];
         }
         let least = (QUIET * believed).max(HELD * h).min(believed);
-        ComplexField::sqrt(self.variance).clamp(least, believed)
+        let [speed, wheel] = self
+            .variance
+            .map(|heard| ComplexField::sqrt(heard).clamp(least, believed));
+        if pressed(p, sample) == [true; 2] {
+            return [believed, wheel];
+        }
+        [speed; 2]
     }
 
     /// Deviation of a speed over the one that is `believed` [1], in handovers and of counted speeds as well.
     pub fn quiet(&self, believed: f64) -> f64 {
-        (ComplexField::sqrt(self.variance) / believed).clamp(QUIET, 1.0)
+        let [speed, _] = self.variance;
+        (ComplexField::sqrt(speed) / believed).clamp(QUIET, 1.0)
     }
 
     /// Hears the innovations of ω_e, ω_o, ω_w [rad/s], shape (3); that of ω_o is of both input shafts, g ω_o.
@@ -61,12 +71,14 @@ impl Heard {
         let ([one, two], [e, o, w]) = (g, innovation);
         let mean = (e * e + o * o * (one * one + two * two) + w * w) / 3.0;
         let most = LOUD * believed;
-        self.variance += (mean.min(most * most) - self.variance) * (h / (h + MEMORY));
+        for (heard, square) in self.variance.iter_mut().zip([mean, w * w]) {
+            *heard += (square.min(most * most) - *heard) * (h / (h + MEMORY));
+        }
     }
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        visit(&mut self.variance);
+        self.variance.iter_mut().for_each(visit);
     }
 }
 
@@ -91,8 +103,8 @@ mod tests {
         }
     }
 
-    /// Deviation after 1000 innovations of `size` [rad/s] at every sensor, of which both input shafts tell ω_o.
-    fn after(size: f64, positions: [f64; 2], h: f64) -> f64 {
+    /// Deviations after 1000 innovations of `size` [rad/s] at every sensor, of which both input shafts tell ω_o.
+    fn after(size: f64, positions: [f64; 2], h: f64) -> [f64; 2] {
         let (p, mut heard) = (Params::TABLE_1, Heard::new(BELIEVED));
         let g = p.g([1, 2]);
         let o = size / f64::hypot(g[0], g[1]);
@@ -105,8 +117,9 @@ mod tests {
     #[test]
     fn noise_is_heard_between_a_fifth_of_what_is_believed_and_all_of_it() {
         for (size, expected) in [(0.0, 0.02), (0.05, 0.05), (0.3, 0.1)] {
-            let told = after(size, [5e-3, 0.0], H);
-            assert!((told - expected).abs() < 1e-4, "{size}: {told} rad/s");
+            for told in after(size, [5e-3, 0.0], H) {
+                assert!((told - expected).abs() < 1e-4, "{size}: {told} rad/s");
+            }
         }
     }
 
@@ -119,15 +132,33 @@ mod tests {
         for _ in 0..500 {
             heard.listen([12.0, 7.0], [0.0; 3], BELIEVED, H);
         }
-        let told = heard.sensor(&p, &Settings::CASE_1, &clutch_1, H);
-        assert!((told - 0.02).abs() < 1e-9);
+        let [told, wheel] = heard.sensor(&p, &Settings::CASE_1, &clutch_1, H);
+        assert!((told - 0.02).abs() < 1e-9 && wheel == told);
     }
 
     #[test]
-    fn in_a_handover_and_over_long_steps_it_is_what_is_believed() {
-        assert_eq!(after(0.0, [5e-3, 5e-3], H), BELIEVED);
-        assert_eq!(after(0.0, [5e-3, 0.0], 1e-2), BELIEVED);
-        assert!((after(0.0, [5e-3, 0.0], 5e-3) - 0.05).abs() < 1e-4);
+    fn over_long_steps_it_is_what_is_believed() {
+        assert_eq!(after(0.0, [5e-3, 0.0], 1e-2), [BELIEVED; 2]);
+        assert_eq!(after(0.0, [5e-3, 5e-3], 1e-2), [BELIEVED; 2]);
+        assert!((after(0.0, [5e-3, 0.0], 5e-3)[0] - 0.05).abs() < 1e-4);
+    }
+
+    #[test]
+    fn in_a_handover_only_the_wheel_is_heard_and_by_itself() {
+        let quiet = after(0.0, [5e-3, 5e-3], H);
+        assert!(
+            quiet[0] == BELIEVED && (quiet[1] - 0.02).abs() < 1e-9,
+            "{quiet:?}"
+        );
+        let (p, mut heard) = (Params::TABLE_1, Heard::new(BELIEVED));
+        for _ in 0..1000 {
+            heard.listen(p.g([1, 2]), [0.3, 0.1, 0.05], BELIEVED, H);
+        }
+        let told = heard.sensor(&p, &Settings::CASE_1, &sample([5e-3, 5e-3]), H);
+        assert!(
+            told[0] == BELIEVED && (told[1] - 0.05).abs() < 1e-4,
+            "{told:?}"
+        );
     }
 
     #[test]
@@ -137,6 +168,6 @@ mod tests {
             ..Settings::CASE_1
         };
         let told = Heard::default().sensor(&Params::TABLE_1, &counted, &sample([5e-3, 0.0]), H);
-        assert_eq!(told, BELIEVED);
+        assert_eq!(told, [BELIEVED; 2]);
     }
 }

@@ -127,7 +127,7 @@ impl Observer for Kalman {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.tracker.refuse();
         }
-        self.tracker.follow(p, sample, WHEEL, h);
+        self.tracker.follow(p, sample, h);
         let hold = self
             .grip
             .step(p, sample, &self.tracker.lock, self.tracker.engaged);
@@ -135,7 +135,7 @@ impl Observer for Kalman {
         let standing = self.tracker.held(p, sample, p.c_o);
         self.predict(standing.as_ref().unwrap_or(p), settings, sample, hold, h);
         let sigma = settings.kalman.sigma;
-        self.tracker.correct(p, sample, [sigma; 2], WHEEL, h);
+        self.tracker.correct(p, sample, [sigma; 2], sigma, WHEEL, h);
         self.tracker.remember(p, sample, hold, h);
         let model = self.model(p, sample);
         self.tracker.watch(p, settings, sample, &model, h);

@@ -103,10 +103,10 @@ impl<const N: usize> Tracker<N> {
         self.monitor.start(p, sample);
     }
 
-    /// Before the prediction: engaged clutches; speeds anew where a gear came in.
-    pub fn follow(&mut self, p: &Params, sample: &Sample, wheel: Terms<'_>, h: f64) {
+    /// Before the prediction: gears that went out or came in, engaged clutches.
+    pub fn follow(&mut self, p: &Params, sample: &Sample, h: f64) {
         if self.g != p.g(sample.gear) {
-            self.take_speeds(p, sample, wheel);
+            self.take_gear(p, sample);
         }
         self.lock.step(&Instant::new(p, sample), self.t_c, h);
         self.engage(p, sample);
@@ -119,33 +119,42 @@ impl<const N: usize> Tracker<N> {
         held(p, sample, x[W_W], t_o, x[T_V])
     }
 
-    /// Speeds from measurements: at the start, and when a gear comes in. What is known of parameters
-    /// goes on, and the torques; their deviation is as at the start.
+    /// Speeds from measurements.
     fn take_speeds(&mut self, p: &Params, sample: &Sample, wheel: Terms<'_>) {
         self.g = p.g(sample.gear);
         let bias = along(wheel, &self.belief.x) - self.belief.x[W_W];
         let omega_w = sample.omega_w - bias;
         let speeds = [sample.omega_e, output_speed(self.g, sample), omega_w];
-        let belief = &mut self.belief;
-        belief.x.fixed_rows_mut::<3>(0).copy_from_slice(&speeds);
-        for (j, sigma) in START.into_iter().enumerate() {
-            belief.p.row_mut(j).fill(0.0);
-            belief.p.column_mut(j).fill(0.0);
-            belief.p[(j, j)] = sigma * sigma;
+        let x = &mut self.belief.x;
+        x.fixed_rows_mut::<3>(0).copy_from_slice(&speeds);
+    }
+
+    /// Where a gear goes out or comes in: ω_o from the shafts that turn with the output now. What is known of T_s ends, as
+    /// the inertia that has wound it is known no better than J_ct; clutches and load have not moved.
+    fn take_gear(&mut self, p: &Params, sample: &Sample) {
+        self.g = p.g(sample.gear);
+        self.belief.x[W_O] = output_speed(self.g, sample);
+        for j in [W_O, T_S] {
+            let p = &mut self.belief.p;
+            p.row_mut(j).fill(0.0);
+            p.column_mut(j).fill(0.0);
+            p[(j, j)] = START[j] * START[j];
         }
     }
 
-    /// Corrects by every speed, of deviation `sensor` of the one that is `believed` [rad/s], and by clutches that are
-    /// open, `h` [s] after the last ones.
+    /// Corrects by every speed and by clutches that are open, `h` [s] after the last ones. Deviations [rad/s], shape (2):
+    /// `sensor` of ω_e, ω_c1, ω_c2 and of ω_w; `believed` of each at most.
     pub fn correct(
         &mut self,
         p: &Params,
         sample: &Sample,
-        [sensor, believed]: [f64; 2],
+        sensor: [f64; 2],
+        believed: f64,
         wheel: Terms<'_>,
         h: f64,
     ) {
-        let (g, r, before) = (p.g(sample.gear), sensor * sensor, self.belief.x);
+        let (g, before) = (p.g(sample.gear), self.belief.x);
+        let [r, r_w] = sensor.map(|sigma| sigma * sigma);
         self.innovation = [
             sample.omega_e - before[W_E],
             output_speed(g, sample) - before[W_O],
@@ -157,9 +166,8 @@ impl<const N: usize> Tracker<N> {
             normalised += self.measure(&[(W_O, g[i])], sample.omega_c[i], r);
             count += 1.0;
         }
-        normalised += self.measure(wheel, sample.omega_w, r);
-        let quiet = sensor / believed;
-        let expected = normalised * quiet * quiet / count;
+        normalised += self.measure(wheel, sample.omega_w, r_w) * (r_w / r);
+        let expected = normalised * r / (believed * believed * count);
         self.surprise += (expected - self.surprise) * (h / (h + MEMORY));
         for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
             if !pressed {

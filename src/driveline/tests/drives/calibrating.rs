@@ -4,14 +4,12 @@ use crate::bench::sensors::{noisy, perfect, torque_error, torque_offset, wheel_b
 use crate::bench::{Drive, after, calibrated, observe, scenarios, wet};
 use dct_driveline::Params;
 use dct_driveline::observer::{Calibration, Estimate, Method, Sample, Selected, Settings};
+use std::iter;
 
 const H: f64 = 1e-3;
 /// Largest RMSE of T_c1/T_c2/T_o under each error [% of RMS], and with speed noise.
 const LIMITS: [f64; 3] = [4.0, 4.0, 2.0];
 const NOISY: [f64; 3] = [5.5, 5.5, 2.5];
-
-/// The same under errors of shaft, gearbox and vehicle.
-const SHAFT: [f64; 3] = [4.0, 4.0, 4.0];
 
 /// Runs along a drive with parameters that are believed to be others than the true ones.
 fn run(
@@ -69,7 +67,7 @@ const PARAMETERS: [fn(&mut Params); 10] = [
 ];
 
 /// Under an error of T_e in the paper's scenario.
-const TORQUE: [f64; 3] = [1.4, 1.3, 0.8];
+const TORQUE: [f64; 3] = [1.1, 1.0, 0.7];
 /// Under the same error on wet6: T_o 2.4 % while quiet speeds were taken for noisy ones.
 const WET: [f64; 3] = [1.6, 0.8, 1.5];
 /// With noise and J_e, J_v, k_o wrong by one share.
@@ -102,17 +100,26 @@ fn three_parameters_wrong_by_one_share_do_not_pass_for_the_torque() {
     }
 }
 
+/// Every drive there is, the ones that gains were tuned on among them.
+fn every_drive() -> impl Iterator<Item = Drive> {
+    let random = (4..=9).chain(101..=108).map(scenarios::random);
+    let all = iter::once(scenarios::paper())
+        .chain(scenarios::unseen())
+        .chain(random);
+    all.map(|scenario| scenario.drive(H))
+}
+
+/// Where an engaged clutch hides the offset of T_e for too long, whatever the method (`twins.rs`).
+const HIDDEN: [&str; 2] = ["kick-down", "tip-in, tip-out"];
+
 #[test]
-fn errors_of_torque_and_wheel_speed_cost_little() {
-    for scenario in [
-        scenarios::paper(),
-        scenarios::random(1),
-        scenarios::random(2),
-    ] {
-        let drive = scenario.drive(H);
+fn errors_of_torque_and_wheel_speed_cost_little_on_every_drive() {
+    for drive in every_drive() {
         check(&drive, LIMITS, |_| {}, perfect);
-        check(&drive, LIMITS, |_| {}, torque_error);
         check(&drive, LIMITS, |_| {}, wheel_bias);
+        if !HIDDEN.contains(&drive.name.as_str()) {
+            check(&drive, LIMITS, |_| {}, torque_error);
+        }
     }
 }
 
@@ -126,12 +133,10 @@ fn a_wheel_that_stands_tells_no_grade() {
 }
 
 #[test]
-fn errors_of_parameters_cost_nothing() {
-    for scenario in [scenarios::paper(), scenarios::creep(), scenarios::random(4)] {
-        let drive = scenario.drive(H);
-        for (k, believed) in PARAMETERS.into_iter().enumerate() {
-            let limits = if k < 2 { LIMITS } else { SHAFT };
-            check(&drive, limits, believed, perfect);
+fn errors_of_parameters_cost_nothing_on_every_drive() {
+    for drive in every_drive() {
+        for believed in PARAMETERS {
+            check(&drive, LIMITS, believed, perfect);
         }
     }
 }

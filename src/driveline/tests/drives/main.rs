@@ -16,4 +16,5 @@ mod encoders;
 mod laws;
 mod methods;
 mod observability;
+mod twins;
 mod worn;

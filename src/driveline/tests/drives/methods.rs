@@ -49,7 +49,7 @@ fn methods_are_within_their_limits_on_the_paper_scenario_at_1_khz() {
     check(Method::Energy, &drive, NOISE, [3.3, 3.5, 3.0]);
     check(Method::Kalman, &drive, 0.0, [1.4, 1.5, 0.9]);
     check(Method::Kalman, &drive, NOISE, [3.0, 3.2, 1.1]);
-    check(Method::Calibrating, &drive, 0.0, [1.3, 1.3, 0.4]);
+    check(Method::Calibrating, &drive, 0.0, [0.9, 0.9, 0.4]);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn methods_are_within_their_limits_on_drives_by_chance() {
         check(Method::Energy, &drive, NOISE, [2.3, 2.3, 3.5]);
         check(Method::Kalman, &drive, 0.0, [1.1, 1.4, 0.6]);
         check(Method::Kalman, &drive, NOISE, [2.2, 2.6, 1.2]);
-        check(Method::Calibrating, &drive, 0.0, [0.7, 1.1, 0.6]);
+        check(Method::Calibrating, &drive, 0.0, [0.6, 1.0, 0.4]);
         check(Method::Calibrating, &drive, NOISE, [2.3, 2.6, 2.0]);
     }
 }

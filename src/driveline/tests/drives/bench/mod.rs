@@ -91,7 +91,7 @@ impl Scenario {
         })
     }
 
-    fn input(&self, time: f64, omega_e: f64) -> Input {
+    pub fn input(&self, time: f64, omega_e: f64) -> Input {
         let actuation = self.actuation(time);
         Input {
             t_e: self.engine_torque(time, omega_e),
