@@ -26,11 +26,11 @@
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
 //! clutches open, idle (1 s)            0.00   0.96   0.04   1.00   1.00   1.00   1.00
-//! clutch 1 slips: launch               0.03   0.02   0.06   0.07   0.07   0.22   0.11
-//! clutch 1 engages, the shaft swings   0.17   0.09   0.06   0.24   0.13   0.25   0.12
-//! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.97   0.25   0.15
-//! handover                             0.18   0.04   0.14   0.42   0.30   0.35   0.15
-//! clutch 1 engaged: tip-in             0.56   0.15   0.06   0.28   0.16   0.63   0.16
+//! clutch 1 slips: launch               0.03   0.02   0.07   0.07   0.08   0.23   0.13
+//! clutch 1 engages, the shaft swings   0.19   0.12   0.07   0.30   0.17   0.32   0.15
+//! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.98   0.25   0.25
+//! handover                             0.18   0.04   0.14   0.42   0.30   0.35   0.17
+//! clutch 1 engaged: tip-in             0.56   0.15   0.06   0.28   0.16   0.63   0.17
 //! ```
 //!
 //! **What cannot.** All equations are homogeneous: one common factor on torques, inertias, k and c changes no
@@ -62,6 +62,7 @@ use crate::observer::standstill::unsure;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
 use crate::observer::walk::Walk;
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
+use core::ops::Range;
 use nalgebra::{ComplexField, SMatrix, SVector};
 
 /// Largest |β|, |δ|, |w|, |κ|, |γ|, |λ|, |ν| that a vehicle can have.
@@ -74,6 +75,8 @@ const MASS: usize = 7;
 const TOLD: [usize; WITNESSES] = [2, 4, 5, 6, MASS];
 /// Time constant of the accelerations that δ and λ are seen by while a clutch slips [s].
 const SMOOTH: f64 = 0.03;
+/// Speeds at which a vehicle begins to roll, over V_ε [1]: it stands no more, and tanh(V/V_ε) of (11) is not 1 yet.
+const ROLLS: Range<f64> = 0.2..4.0;
 
 /// What the filter believes of its noises and of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -247,6 +250,21 @@ impl Calibrating {
         View::new(p, sample, &belief.x, *engaged, 1.0 / self.anchor.factor())
     }
 
+    /// q_v, at most `most` [(N·m)²/s], of speeds whose noise is `believed` [rad/s].
+    ///
+    /// All of it while the vehicle begins to roll: no standstill shows its rolling resistance.
+    fn pace(&mut self, p: &Params, believed: f64, most: f64, h: f64) -> f64 {
+        let x = &self.tracker.belief.x;
+        let (t_v, v) = (x[T_V], p.road.r_w * x[W_W]);
+        let quiet = self.heard.quiet(believed);
+        let seen = self.walk.intensity(t_v, quiet, most, h);
+        if ROLLS.contains(&(v.abs() / p.road.v_eps)) {
+            most
+        } else {
+            seen
+        }
+    }
+
     /// x̂⁺ with the parameters held, exactly; P⁺ with the motion linearised about x̂.
     fn predict(
         &mut self,
@@ -264,10 +282,7 @@ impl Calibrating {
         self.slope = smoothed(motion.slope);
         let gains = &settings.calibrating;
         let mut q = gains.intensities(&gains.start());
-        let quiet = self.heard.quiet(gains.sensor);
-        q[T_V] = self
-            .walk
-            .intensity(self.tracker.belief.x[T_V], quiet, q[T_V], h);
+        q[T_V] = self.pace(p, gains.sensor, q[T_V], h);
         self.tracker.noise(&model, hold, &mut q);
         let q = q * h;
         let belief = &mut self.tracker.belief;

@@ -160,9 +160,9 @@ fn noise_costs_little() {
 #[test]
 fn noise_costs_little_of_the_drive_shaft_whatever_its_seed() {
     for (scenario, middle) in [
-        (scenarios::creep(), 1.4),
+        (scenarios::creep(), 1.5),
         (scenarios::kick_down(), 2.0),
-        (scenarios::paper(), 1.3),
+        (scenarios::paper(), 1.4),
         (scenarios::random(4), 1.5),
     ] {
         let drive = scenario.drive(H);
