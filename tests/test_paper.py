@@ -111,6 +111,7 @@ def test_the_verb_reads_measurements(
     assert fits["iv"]["stiffness"]["value"] == pytest.approx(STIFFNESS, rel=CLEAN)
     assert cli.main(["identify", str(path)]) == 0
     said = capsys.readouterr().out
+    assert "the speeds end there as 11.82 : 1, --ratio is 11.52\n" in said
     assert "k_o [N·m/rad]" in said
     assert "instrumental variables" in said
 
@@ -119,6 +120,9 @@ def test_the_verb_reads_measurements(
     (["--torque", "driveShaft.torq"], "no signal 'driveShaft.torq'. Did you mean"),
     (["--built-up", "1e6"], "|T_o| never reaches 1e+06 N·m"),
     (["--length", "0.001"], "take a longer --length"),
+    (["--clutch-speed", "clutch1.speed"], "no shaft has that, so clutch, gear or sign are others; "
+     "the speeds end there as 18.46 : 1, --ratio is 11.52"),
+    (["--ratio", "15"], "no shaft has that"),
 ])  # fmt: skip
 def test_the_verb_says_what_is_missing(
     launch: Results, options: list[str], said: str, capsys: pytest.CaptureFixture[str]

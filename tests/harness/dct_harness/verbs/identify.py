@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import asdict
 from pathlib import Path
 
@@ -28,7 +29,10 @@ REMARKS = {
     "iv": "instrumental variables: not drawn by white noise",
 }
 
-CODES = "0 found, 2 usage, or the source cannot be read or shows no launch"
+LATE = 0.1  # of the rows, at their end: over these the twist hardly counts beside the speeds
+CERTAIN = 3.0  # standard errors below 0 of a damping that is none
+
+CODES = "0 found, 2 usage, or the source cannot be read, shows no launch or a ratio that is another"
 
 
 def add(verbs: Verbs) -> None:
@@ -53,7 +57,7 @@ def add(verbs: Verbs) -> None:
 def _positive(text: str) -> float:
     value = amount(text)
     if value == 0:
-        raise argparse.ArgumentTypeError("a ratio is above 0")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a ratio above 0")
     return value
 
 
@@ -67,8 +71,28 @@ def identify(args: argparse.Namespace) -> int:
     rate = rows[:, 1] / args.ratio - rows[:, 2]
     window = shaft.Window(args.built_up, args.length, args.start)
     fits = [shaft.identify(rows[:, 0], rate, rows[:, 3], window, m) for m in shaft.METHODS]
-    say(args, table(fits), [asdict(fit) for fit in fits])
+    ratios = f"the speeds end there as {_ratio(rows, fits[0]):.4g} : 1, --ratio is {args.ratio:g}"
+    _check(fits, ratios)
+    say(args, table(fits, ratios), [asdict(fit) for fit in fits])
     return 0
+
+
+def _ratio(rows: np.ndarray, fit: shaft.Fit) -> float:
+    """Return ω_c/ω_w over the last tenth of the rows used, where the twist moves least."""
+    late = fit.end - LATE * (fit.end - fit.start)
+    clutch, wheel = rows[(rows[:, 0] >= late) & (rows[:, 0] <= fit.end), 1:3].sum(axis=0)
+    return float(clutch / wheel) if wheel else math.inf
+
+
+def _check(fits: list[shaft.Fit], ratios: str) -> None:
+    """Refuse what no shaft has: a wrong ratio gives it, with an R² near 1 and small errors."""
+    for fit in fits:
+        k, c = fit.stiffness.value, fit.damping
+        if k <= 0 or c.value + CERTAIN * c.error < 0:
+            raise ConfigError(
+                f"k_o = {k:.5g} N·m/rad, c_o = {c.value:.5g} N·m·s/rad ({fit.method}): no shaft "
+                f"has that, so clutch, gear or sign are others; {ratios}"
+            )
 
 
 def _channel(channels: list[measured.Channel], name: str, source: Path) -> measured.Channel:
@@ -81,10 +105,10 @@ def _channel(channels: list[measured.Channel], name: str, source: Path) -> measu
     raise ConfigError(f"{source}: no signal '{name}'.{did_you_mean(name, named)}")
 
 
-def table(fits: list[shaft.Fit]) -> str:
+def table(fits: list[shaft.Fit], ratios: str) -> str:
     """Return the fits as people read them."""
     head = fits[0]
-    lines = [f"{head.samples} rows, t = {head.start:g} s to {head.end:g} s", ""]
+    lines = [f"{head.samples} rows, t = {head.start:g} s to {head.end:g} s; {ratios}", ""]
     columns = f"{'method':10} {'k_o [N·m/rad]':>18} {'c_o [N·m·s/rad]':>18} {'R²':>9}"
     lines.append(columns)
     for fit in fits:
