@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
+from dct_harness import cli
 from dct_harness.errors import ConfigError
-from dct_harness.system import system
+from dct_harness.system import parameters, scenario, system
 from harness_fixture.lag_fmu import run, write_system
 
 LIMIT = '[[kpis]]\nkpi = "{}"\nsignal = "clutch1.torque"\n{}\n'
@@ -52,6 +54,49 @@ def test_what_no_parser_takes_is_a_sentence(tmp_path: Path, text: str) -> None:
     path.write_bytes(text.encode("utf-8", "surrogateescape"))
     with pytest.raises(ConfigError, match="is not valid TOML"):
         system.load(path)
+
+
+def test_a_byte_order_mark_of_windows_is_passed_over(tmp_path: Path) -> None:
+    path = write_system(tmp_path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert system.load(path).step == 0.001
+
+
+@pytest.mark.parametrize(("member", "said"), [
+    ("modelDescription.xml", "; this is an FMU, which a system file names as components.NAME.fmu"),
+    ("SystemStructure.ssd", "; an .ssp must be called so"),
+    ("readme.txt", ""),
+])  # fmt: skip
+def test_an_archive_in_place_of_a_system_file_is_told(
+    tmp_path: Path, member: str, said: str
+) -> None:
+    path = tmp_path / "loop.toml"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(member, "x" * 1000)
+    with pytest.raises(ConfigError) as caught:
+        system.load(path)
+    assert str(caught.value).endswith(f": the system file is a text in UTF-8{said}")
+
+
+def test_of_a_folder_the_file_in_it_is_named(tmp_path: Path) -> None:
+    path = write_system(tmp_path)
+    for name, found in (("system file", system.load), ("scenario", scenario.load),
+                        ("parameter file", parameters.read)):  # fmt: skip
+        with pytest.raises(ConfigError) as caught:
+            found(tmp_path)
+        inside = {"system file": path, "scenario": tmp_path / "s.csv"}.get(name)
+        such = f", such as {inside}" if inside else ""
+        assert str(caught.value) == f"{tmp_path}: is a folder: name the {name} itself{such}"
+
+
+def test_parameters_turned_round_are_told_with_the_components(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_system(tmp_path)
+    assert cli.main(["run", str(path), "--parameters", "x.ssv", "plant"]) == 2
+    assert f"--parameters x.ssv plant: {path} has no component 'x.ssv' (plant)." in (
+        capsys.readouterr().err
+    )
 
 
 @pytest.mark.parametrize(("option", "said"), [

@@ -55,7 +55,7 @@ def test_every_parameter_of_the_xml_is_recorded_with_its_unit(
     ("observer.load.method=grad", "has no item 'grad' (grade, engine, momentum). "
                                   "Did you mean 'grade'?"),
     ("observer.adaptation.enabled=1", "'adaptation.enabled' is Boolean, got 1"),
-    ("observer.gain.L11=big", "'gain.L11' is Real, got 'big'"),
+    ("observer.gain.L11=big", "'gain.L11' is Real [1/s], got 'big'"),
 ])  # fmt: skip
 def test_value_of_the_wrong_type_is_refused(
     repo_root: Path, tmp_path: Path, option: str, said: str

@@ -62,8 +62,16 @@ def instant(t: float) -> str:
     return np.format_float_positional(rounded, trim="-")
 
 
-def unreadable(path: Path, what: str, error: OSError) -> str:
-    """Return why a file cannot be read; of one that is not there the nearest name beside it."""
+def unreadable(path: Path, what: str, error: OSError, suffix: str = "") -> str:
+    """Return why a file cannot be read, and what may have been meant.
+
+    Of one that is not there it is the nearest name beside it, of a folder the first file in it
+    that ends with `suffix`.
+    """
+    if path.is_dir():
+        inside = min(path.glob(f"*{suffix}"), default=None) if suffix else None
+        such = f", such as {inside}" if inside else ""
+        return f"{path}: is a folder: name the {what} itself{such}"
     told = f"{path}: cannot read the {what}: {error.strerror or error}"
     if not (isinstance(error, FileNotFoundError) and path.parent.is_dir()):
         return told

@@ -49,7 +49,7 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
             _check(path, archive.infolist())
             yield archive
     except OSError as error:
-        raise ConfigError(unreadable(path, _kind(path), error)) from error
+        raise ConfigError(unreadable(path, _kind(path), error, ".fmu")) from error
     except zipfile.BadZipFile as error:
         damage = "" if "not a zip" in str(error) else f": {error}"
         raise FmuInvalidError(

@@ -33,10 +33,9 @@ def start_value(component: str, variable: Any, value: Any) -> Any:
     kind = KINDS[group_of(variable)]
     whole = kind is float and type(value) is int
     if type(value) is not kind and not whole:
-        raise ConfigError(
-            f"component '{component}': '{variable.name}' is {variable.type}, got {value!r}",
-            variable.name,
-        )  # fmt: skip
+        unit = f" [{unit_of(variable)}]" if unit_of(variable) else ""
+        what = f"'{variable.name}' is {variable.type}{unit}, got {value!r}"
+        raise ConfigError(f"component '{component}': {what}", variable.name)
     return value
 
 

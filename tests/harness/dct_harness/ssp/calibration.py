@@ -18,6 +18,7 @@ from . import ssd_xml
 from .ssd_xml import sub
 
 OBSERVER, CONTROL = "observer", "control"  # the components that --calibration is for
+NAME = "calibration.ssv"
 PREFIX, DEVIATION = "calibration.", "Deviation"
 FRICTION, NOMINAL = "friction", "nominalFriction"
 CLUTCHES = ("clutch1", "clutch2")
@@ -97,14 +98,14 @@ def places(position: np.ndarray, force: np.ndarray) -> np.ndarray:
 
 
 def apply(model: System, path: Path, paths: dict[str, Path]) -> None:
-    """Put a parameter file that a run has written into the observer of a system.
+    """Put the parameter file that a run has written, or that in its folder, into an observer.
 
     The control takes those that it has: nominal frictions and force-position maps.
     """
     if OBSERVER not in model.components:
         hint = did_you_mean(OBSERVER, model.components)
         raise ConfigError(f"--calibration: {model.path} has no component '{OBSERVER}'.{hint}")
-    values = parameters.read(path)
+    values = parameters.read(path / NAME if path.is_dir() else path)
     model.components[OBSERVER].parameters |= values
     if CONTROL in model.components:
         known = {v.name for v in described(paths[CONTROL]).modelVariables}

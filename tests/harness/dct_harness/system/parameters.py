@@ -47,7 +47,7 @@ def read(path: Path) -> dict[str, Any]:
     try:
         root = ElementTree.fromstring(path.read_bytes())
     except OSError as error:
-        raise ConfigError(unreadable(path, "parameter file", error)) from error
+        raise ConfigError(unreadable(path, "parameter file", error, ".ssv")) from error
     except ElementTree.ParseError as error:
         raise ConfigError(f"{path}: is not valid XML: {error}") from error
     if root.tag != f"{VALUES}ParameterSet":

@@ -40,7 +40,7 @@ def load(path: Path | None) -> Scenario:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = [(k, row) for k, row in enumerate(csv.reader(file), 1) if row]
     except OSError as error:
-        raise ConfigError(unreadable(path, "scenario", error)) from error
+        raise ConfigError(unreadable(path, "scenario", error, ".csv")) from error
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not UTF-8 text") from error
     if len(rows) < 2:

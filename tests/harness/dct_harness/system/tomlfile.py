@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+import zipfile
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -53,19 +54,32 @@ def read(path: Path, what: str, schema: str) -> Document:
         The file cannot be read, is no TOML, or breaks the schema.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
         data = loads(text)
     except OSError as error:
-        raise ConfigError(unreadable(path, what, error)) from error
+        raise ConfigError(unreadable(path, what, error, ".toml")) from error
     except TOMLDecodeError as error:
         raise ConfigError(_no_toml(path, str(error))) from error
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not valid TOML: the {what} is a text in UTF-8") from error
+        told = f"{path}: is not valid TOML: the {what} is a text in UTF-8{_packed(path)}"
+        raise ConfigError(told) from error
     except (RecursionError, ValueError) as error:  # too deep, a number too long
         raise ConfigError(f"{path}: is not valid TOML: {error}") from error
     document = Document(path, data, places(text))
     _validate(document, schema)
     return document
+
+
+def _packed(path: Path) -> str:
+    """Return what an archive that was given for a text is good for."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, NotImplementedError, ValueError):
+        return ""
+    if "modelDescription.xml" in names:
+        return "; this is an FMU, which a system file names as components.NAME.fmu"
+    return "; an .ssp must be called so" if "SystemStructure.ssd" in names else ""
 
 
 def _no_toml(path: Path, message: str) -> str:

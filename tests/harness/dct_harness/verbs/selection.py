@@ -38,7 +38,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--parameters", nargs=2, action="append", default=[],
                         metavar=("COMPONENT", "FILE"),
                         help="values of a component from a parameter file (.ssv)")  # fmt: skip
-    learnt = "calibration.ssv of an earlier run: observer and control start with what it had learnt"
+    learnt = ("calibration.ssv of an earlier run, or its folder: observer and control start with "
+              "what it had learnt")  # fmt: skip
     parser.add_argument("--calibration", type=Path, metavar="FILE", help=learnt)
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
                         help="a parameter or start value in SI units, or an input held at it; "
@@ -106,7 +107,9 @@ def _preset(model: system.System, component: str, file: Path) -> None:
     """Put the values of a parameter file above those of the system."""
     if component not in model.components:
         hint = did_you_mean(component, model.components)
-        raise ConfigError(f"--parameters: {model.path} has no component '{component}'.{hint}")
+        known = ", ".join(model.components)
+        what = f"{model.path} has no component '{component}' ({known}).{hint}"
+        raise ConfigError(f"--parameters {component} {file}: {what}")
     found = parameters.read(file)
     model.components[component].parameters.update(found)
     model.overridden.update((component, name) for name in found)
