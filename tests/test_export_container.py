@@ -52,6 +52,21 @@ def test_the_container_gives_the_rows_of_the_system(tmp_path: Path, case: str) -
         assert np.abs(one[f"all.{name}"] - wanted[name]).max() <= NEAR * size, name
 
 
+@pytest.mark.parametrize(("verb", "name", "suffix"), [
+    ("export-ssp", "loop.fmu", ".ssp"), ("export-ssp", "folder.ssp", ".ssp"),
+    ("export-container", "loop.ssp", ".fmu"),
+])  # fmt: skip
+def test_a_name_that_run_would_not_take_is_refused(
+    tmp_path: Path, lag_dir: Path, verb: str, name: str, suffix: str
+) -> None:
+    (tmp_path / "folder.ssp").mkdir()
+    out = tmp_path / name
+    done = harness(verb, write_system(tmp_path), "--fmu-dir", lag_dir, "--out", out,
+                   folder=tmp_path)  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.endswith(f"argument --out: '{out}' is not the name of an {suffix} file\n")
+
+
 WIRE = '[components.b]\nfmu = "Lag.fmu"\n[[connections]]\nfrom = "plant.x"\nto = "b.u"\n'
 
 

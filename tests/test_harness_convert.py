@@ -94,7 +94,7 @@ def test_several_rates_need_a_step() -> None:
     late = Channel("c", np.arange(10.0, 12.0), np.zeros(2))
     with pytest.raises(ConfigError, match="share no stretch"):
         common([fast, late], 0.5, None, None)
-    with pytest.raises(ConfigError, match="no sample between"):
+    with pytest.raises(ConfigError, match="no sample from"):
         common([fast], 0.5, 7.0, 8.0)
 
 
@@ -137,6 +137,19 @@ def test_bad_measurements_are_refused(tmp_path: Path, text: str, said: str) -> N
     with pytest.raises(ConfigError) as caught:
         read(tmp_path / "m.csv")
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(("options", "said"), [
+    (("--start", "50"), "there is no sample from 50 s on: the channels share 0 s to 1 s"),
+    (("--stop", "-1"), "there is no sample up to -1 s: the channels share 0 s to 1 s"),
+    (("--step", "1e-300"), "step = 1e-300 s: more than 1e+08 samples; take a longer one"),
+])  # fmt: skip
+def test_a_part_that_is_not_there_or_never_ends_exits_2(
+    options: tuple[str, str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    (tmp_path / "a.csv").write_text("time,a\n0,1\n1,1\n")
+    assert cli.main(["convert", str(tmp_path / "a.csv"), str(tmp_path / "b.csv"), *options]) == 2
+    assert capsys.readouterr().err == f"dct-harness: {said}\n"
 
 
 def test_nothing_to_convert_exits_2(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

@@ -124,6 +124,11 @@ def test_a_limit_that_is_none_is_refused(
     assert "greater than 0" in done.stderr
 
 
+def test_limits_beyond_all_measure_are_none(tmp_path: Path, hostile: Path) -> None:
+    done = run(write_system(tmp_path), hostile, "--call-timeout", "1e300", "--memory", "1e300")
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("isolate", ["none", "foreign"])
 def test_the_other_process_gives_the_same_bits(tmp_path: Path, hostile: Path, isolate: str) -> None:
     done = run(write_system(tmp_path), hostile, "--isolate", isolate)

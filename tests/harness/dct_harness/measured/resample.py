@@ -8,6 +8,7 @@ from ..errors import ConfigError, instant
 from ..formats import Table
 from .channels import Channel
 
+MOST = 1e8  # samples; their times alone take 0.8 GB
 ROUNDING = 1e-9  # of a step: an end this close to a multiple of the step is one
 
 
@@ -29,7 +30,8 @@ def common(
     Raises
     ------
     ConfigError
-        The channels have several time axes and no step is given, or share no time.
+        The channels have several time axes and no step is given, share no time, or the step is
+        too short.
     """
     low = max([c.time[0] for c in channels if len(c.time)], default=0.0)
     high = min([c.time[-1] for c in channels if len(c.time)], default=-1.0)
@@ -40,14 +42,15 @@ def common(
         high if stop is None else min(high, stop),
     )
     if first > last:
-        raise ConfigError(
-            f"no sample between {instant(low if start is None else start)} s and "
-            f"{instant(high if stop is None else stop)} s: "
-            f"there are {instant(low)} s to {instant(high)} s"
-        )
+        asked = "" if start is None else f" from {instant(start)} s on"
+        asked += "" if stop is None else f" up to {instant(stop)} s"
+        there = f"the channels share {instant(low)} s to {instant(high)} s"
+        raise ConfigError(f"there is no sample{asked}: {there}")
     if step is None:
         axis = _shared(channels)
         axis = axis[(axis >= first) & (axis <= last)]
+    elif (last - first) / step > MOST:
+        raise ConfigError(f"step = {step:g} s: more than {MOST:g} samples; take a longer one")
     else:
         axis = first + np.arange(int((last - first) / step + ROUNDING) + 1) * step
     columns = [_at(channel, axis) for channel in channels]

@@ -6,11 +6,14 @@ import argparse
 import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from ..fmu.isolated import Limits
 
 Action = Callable[[argparse.Namespace], int]
+WEEKS = 2e6  # s; the milliseconds that poll() waits are an int
+ADDRESSABLE = 2.0**40  # MiB, 2^60 bytes
 Verbs: TypeAlias = "argparse._SubParsersAction[Any]"
 
 
@@ -54,14 +57,32 @@ def seconds(text: str) -> float:
     return _checked(text, lambda value: value > 0, "a time greater than 0 s")
 
 
+def patience(text: str) -> float:
+    """Read how long [s] to wait for a call; more than three weeks are three weeks."""
+    return min(seconds(text), WEEKS)
+
+
 def mebibytes(text: str) -> float:
-    """Read a size [MiB] greater than 0."""
-    return _checked(text, lambda value: value > 0, "a size greater than 0 MiB")
+    """Read a size [MiB] greater than 0; more than machines can address is what they can."""
+    found = _checked(text, lambda value: value > 0, "a size greater than 0 MiB")
+    return min(found, ADDRESSABLE)
 
 
 def amount(text: str) -> float:
     """Read a number of at least 0."""
     return _checked(text, lambda value: value >= 0, "a number of at least 0")
+
+
+def called(suffix: str) -> Callable[[str], Path]:
+    """Return what reads the name of a file to write, which ends with a suffix."""
+
+    def read(text: str) -> Path:
+        path = Path(text)
+        if path.suffix.lower() != suffix or path.is_dir():
+            raise argparse.ArgumentTypeError(f"'{text}' is not the name of an {suffix} file")
+        return path
+
+    return read
 
 
 def _checked(text: str, is_good: Callable[[float], bool], what: str) -> float:
@@ -81,10 +102,10 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("foreign FMUs", told)
     group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign",
                        help="which FMUs get a process of their own (foreign)")  # fmt: skip
-    group.add_argument("--call-timeout", type=seconds, default=Limits.seconds, metavar="SECONDS",
+    group.add_argument("--call-timeout", type=patience, default=Limits.seconds, metavar="SECONDS",
                        help="longest time for a call, or for that loop (%(default)g)")  # fmt: skip
     group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
-                       help="largest address space of such a process (%(default)g)")  # fmt: skip
+                       help="address space that such a process may take (%(default)g)")  # fmt: skip
     group.add_argument(
         "--fmu-log",
         action="store_true",

@@ -14,7 +14,7 @@ from ..fmu.values import items
 from ..master.resolved import Resolved
 from ..ssp.ssd_xml import text
 from . import selection
-from .arguments import Verbs, add_loudness, say, verb
+from .arguments import Verbs, add_loudness, called, say, verb
 
 EXAMPLES = """export-container examples/closed_loop/torque_tracking_case1.toml
 export-container loop.toml --step 0.01 --out target/loop.fmu"""
@@ -27,7 +27,7 @@ def add(verbs: Verbs) -> None:
     what = "pack a system as one FMU: the scenario's signals are its inputs"
     parser = verb(verbs, "export-container", export, what, EXAMPLES, CODES)
     selection.add_options(parser)
-    parser.add_argument("--out", type=Path, metavar="FILE",
+    parser.add_argument("--out", type=called(".fmu"), metavar="FILE",
                         help="file to write (target/NAME.fmu)")  # fmt: skip
     add_loudness(parser, "file and components")
 

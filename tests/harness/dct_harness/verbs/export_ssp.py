@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..ssp.export import Export
 from . import selection
-from .arguments import Verbs, add_loudness, say, verb
+from .arguments import Verbs, add_loudness, called, say, verb
 
 EXAMPLES = """export-ssp examples/closed_loop/paper_case1.toml --out target/paper_case1.ssp
 export-ssp loop.toml --plant Antrieb.fmu --map antrieb.toml
@@ -21,7 +21,8 @@ def add(verbs: Verbs) -> None:
     text = "write a system, its FMUs, values and scenario as one .ssp"
     parser = verb(verbs, "export-ssp", export, text, EXAMPLES, CODES)
     selection.add_options(parser)
-    parser.add_argument("--out", type=Path, metavar="FILE", help="file to write (target/NAME.ssp)")
+    parser.add_argument("--out", type=called(".ssp"), metavar="FILE",
+                        help="file to write (target/NAME.ssp)")  # fmt: skip
     add_loudness(parser, "file and components")
 
 
