@@ -95,7 +95,7 @@ def _help(*words: str) -> str:
     done = subprocess.run(
         ["cargo", "-q", *words], cwd=ROOT, capture_output=True, text=True, check=True
     )
-    return done.stdout.replace("Usage: fmu-build", "Usage: cargo fmu")
+    return done.stdout
 
 
 def _block(text: str) -> str:

@@ -2,7 +2,6 @@
 
 use crate::about::About;
 use crate::drive::{Driven, Part};
-use crate::figures::Figures;
 use crate::icon::{self, Icon};
 use crate::library::Target;
 use crate::parameters::{self, ParameterSet, Values};
@@ -115,8 +114,9 @@ impl Entry {
         self
     }
 
-    /// Measures figures for its page.
-    pub(crate) const fn figures(mut self, figures: fn() -> Result<Figures>) -> Self {
+    /// Measures figures for its documentation page whenever that is written: none is ever typed.
+    #[must_use]
+    pub const fn figures(mut self, figures: fn() -> Result<Figures>) -> Self {
         self.figures = Some(figures);
         self
     }
@@ -159,4 +159,14 @@ pub struct Smoke {
     pub step: f64,
     /// The reference results have every `every`th communication point.
     pub every: u32,
+}
+
+/// A table of measured figures for a documentation page.
+pub struct Figures {
+    /// What they are and how they are measured.
+    pub caption: String,
+    /// Heads of the columns.
+    pub columns: Vec<&'static str>,
+    /// One line each.
+    pub rows: Vec<Vec<String>>,
 }

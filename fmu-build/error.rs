@@ -201,6 +201,8 @@ pub enum Error {
         /// The name.
         name: String,
     },
+    /// A package outside this workspace cannot be made an FMU.
+    Outside(crate::outside::Fault),
     /// A library could not be loaded or lacks what a check needs.
     Load {
         /// The library.
@@ -372,6 +374,7 @@ impl fmt::Display for Error {
                 write!(f, "FMI 2.0 has no name for the platform {platform}")
             }
             Self::UnknownProbe { name } => write!(f, "there is no probe {name}"),
+            Self::Outside(fault) => write!(f, "{fault}"),
             Self::Load { path, source } => write!(f, "{}: {source}", path.display()),
         }
     }

@@ -1,4 +1,4 @@
-//! The command `fmu-build` (`cargo fmu`): describe, build and check FMUs.
+//! The command `cargo fmu`: describe, build and check FMUs.
 
 #![forbid(unsafe_code)]
 
@@ -6,6 +6,7 @@ use clap::{Parser, Subcommand};
 use fmu_build::binary::Version;
 use fmu_build::library::Target;
 use fmu_build::models::MODELS;
+use fmu_build::outside::{self, Order};
 use fmu_build::{Entry, Options, Report};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use std::time::Duration;
     after_help = "Examples:
   cargo fmu build                          all FMUs into target/fmu
   cargo fmu build DctPlant --out /data     one FMU into a folder of your choice
+  cargo fmu build --manifest-path ../tank  the FMU of a package of your own
   cargo fmu describe                       after a change in src/models
   cargo fmu describe --check               fail when modelDescription/ is out of date
   cargo fmu build --target x86_64-unknown-linux-gnu.2.17
@@ -59,9 +61,12 @@ A small library computes the same bits, in steps of up to a tenth more instructi
 longer: the standard library is built, too, without what would print where a panic came from, which an FMU keeps
 quiet about anyway.
 Two builds of the same sources give the same bytes.
+A package of your own needs a model, fmi2_cosim::export!(...) and a library of the types cdylib and lib; what it is
+described from is built in its target folder. In a workspace of your own, --manifest-path can be left out.
 
 Examples:
   cargo fmu build
+  cargo fmu build --manifest-path ../tank/Cargo.toml
   cargo fmu build DctPlant --out /data --small
   cargo fmu build --target x86_64-unknown-linux-gnu.2.17 --target x86_64-pc-windows-gnullvm";
 
@@ -94,6 +99,9 @@ enum Command {
         /// Models to build, e.g. DctPlant; all when none is named.
         #[arg(value_parser = fmu_build::models::find)]
         models: Vec<&'static Entry>,
+        /// Build the FMU of this package instead, or those of this workspace.
+        #[arg(long, value_name = "PATH", conflicts_with = "models")]
+        manifest_path: Option<PathBuf>,
         /// Folder for the FMUs [default: target/fmu of the workspace].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
@@ -134,7 +142,7 @@ enum Command {
         /// File to write.
         #[arg(long, value_name = "CSV")]
         out: PathBuf,
-        /// Write every call with its value, too, for machines without fmu-build (xtask/platforms/calls.c).
+        /// Write every call with its value, too, for machines without this program (xtask/platforms/calls.c).
         #[arg(long, value_name = "FILE")]
         calls: Option<PathBuf>,
     },
@@ -182,7 +190,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 const INVALID: u8 = 3;
 
 fn main() -> ExitCode {
-    match run(Arguments::parse().command) {
+    match run(Arguments::parse_from(words()).command) {
         Ok(code) => code,
         Err(error) => {
             // Where nobody can read the message any more, the exit code has to do.
@@ -192,16 +200,37 @@ fn main() -> ExitCode {
     }
 }
 
+/// The arguments; cargo calls what is installed as `cargo-fmu fmu ...`.
+fn words() -> impl Iterator<Item = std::ffi::OsString> {
+    let second = |(index, word): &(usize, std::ffi::OsString)| *index != 1 || word != "fmu";
+    std::env::args_os()
+        .enumerate()
+        .filter(second)
+        .map(|(_, word)| word)
+}
+
 fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
     match command {
         Command::Describe { check: true } => fmu_build::compare()?,
         Command::Describe { check: false } => print_paths(&fmu_build::refresh()?)?,
         Command::Build {
             models,
+            manifest_path,
             out,
             targets,
             small,
-        } => build(&models, out, &targets, small)?,
+        } => {
+            if manifest_path.is_some() || models.is_empty() && outside::is_here() {
+                outside::build(&Order {
+                    manifest: manifest_path.as_deref(),
+                    out: out.as_deref(),
+                    targets: &targets,
+                    small,
+                })?;
+            } else {
+                build(&models, out, &targets, small)?;
+            }
+        }
         Command::Merge { one, others, out } => {
             let path = out.unwrap_or_else(|| one.clone());
             let all: Vec<_> = std::iter::once(one).chain(others).collect();
@@ -349,16 +378,16 @@ mod tests {
             .lines()
             .filter_map(|line| line.trim().strip_prefix("cargo fmu "));
         let examples: Vec<_> = examples.collect();
-        assert_eq!(examples.len(), 9);
+        assert_eq!(examples.len(), 10);
         for example in examples {
             let words = example.split("  ").next().unwrap().split(' ');
-            let parsed = Arguments::try_parse_from(std::iter::once("fmu-build").chain(words));
+            let parsed = Arguments::try_parse_from(std::iter::once("cargo-fmu").chain(words));
             assert!(parsed.is_ok(), "{example}");
         }
     }
     #[test]
     fn a_misspelt_model_is_an_error_of_usage() {
-        let parsed = Arguments::try_parse_from(["fmu-build", "build", "DctPlnt"]);
+        let parsed = Arguments::try_parse_from(["cargo-fmu", "build", "DctPlnt"]);
         let error = parsed.err().unwrap();
         assert_eq!(error.exit_code(), 2);
         assert!(error.to_string().contains("did you mean 'DctPlant'?"));

@@ -25,7 +25,7 @@ def checker() -> Path:
     """Return the program behind `cargo fmu`."""
     build = ["cargo", "build", "--quiet", "--release", "-p", "fmu-build"]
     subprocess.run(build, cwd=ROOT, check=True)
-    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "fmu-build"
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "cargo-fmu"
 
 
 def _members() -> dict[str, bytes]:

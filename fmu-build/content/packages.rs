@@ -1,7 +1,7 @@
 //! The cargo packages that are linked into a library, as cargo resolves them.
 
+use crate::metadata::{Described, Metadata, Target};
 use crate::{Error, Result};
-use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -38,20 +38,8 @@ pub(crate) struct Linked {
 /// Asks cargo, for the machine it runs on: packages of other systems may not be downloaded.
 pub(crate) fn linked(package: &str, folder: &Path) -> Result<Linked> {
     let compiler = Compiler::used()?;
-    let output = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(["metadata", "--format-version", "1", "--locked"])
-        .args(["--filter-platform", &compiler.host])
-        .current_dir(folder)
-        .output()
-        .map_err(Error::io("cargo"))?;
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        return Err(Error::Metadata { said });
-    }
-    let metadata: Metadata = serde_json::from_slice(&output.stdout).map_err(|error| {
-        let said = error.to_string();
-        Error::Metadata { said }
-    })?;
+    let words = ["--locked", "--filter-platform", &compiler.host];
+    let metadata = Metadata::asked(folder, &words)?;
     metadata.linked(package, compiler.release)
 }
 
@@ -78,53 +66,6 @@ impl Compiler {
             }),
         }
     }
-}
-
-#[derive(Deserialize)]
-struct Metadata {
-    packages: Vec<Described>,
-    resolve: Resolve,
-    workspace_root: PathBuf,
-}
-
-#[derive(Deserialize)]
-struct Described {
-    id: String,
-    name: String,
-    version: String,
-    license: Option<String>,
-    repository: Option<String>,
-    description: Option<String>,
-    manifest_path: PathBuf,
-    targets: Vec<Target>,
-}
-
-#[derive(Deserialize)]
-struct Target {
-    kind: Vec<String>,
-}
-
-#[derive(Deserialize)]
-struct Resolve {
-    nodes: Vec<Node>,
-}
-
-#[derive(Deserialize)]
-struct Node {
-    id: String,
-    deps: Vec<Dependency>,
-}
-
-#[derive(Deserialize)]
-struct Dependency {
-    pkg: String,
-    dep_kinds: Vec<Kind>,
-}
-
-/// `null` is a normal dependency; others are for tests and build scripts.
-#[derive(Deserialize)]
-struct Kind {
-    kind: Option<String>,
 }
 
 impl Metadata {
@@ -185,12 +126,6 @@ impl Metadata {
             checksum: sums.get(&key(found)).cloned(),
             links: self.links(&found.id).map(key).collect(),
         }
-    }
-}
-
-impl Target {
-    fn is_macro(&self) -> bool {
-        self.kind.iter().any(|kind| kind == "proc-macro")
     }
 }
 

@@ -154,6 +154,7 @@ impl<'a> Loop<'a> {
     }
 
     /// Sets every input to what it is at a communication point.
+    #[cfg(feature = "dct")]
     pub(crate) fn exchange(&mut self, time: f64) -> Result<()> {
         (0..self.parts.len()).try_for_each(|at| self.connect_to(at, time))?;
         self.give(time, &[Role::Input])

@@ -193,7 +193,7 @@ fn fmu(folder: &Path, defect: &str, description: &str) -> PathBuf {
 
 fn findings(folder: &Path, defect: &str) -> Vec<Finding> {
     let options = Options {
-        host: Some(env!("CARGO_BIN_EXE_fmu-build").into()),
+        host: Some(env!("CARGO_BIN_EXE_cargo-fmu").into()),
         limit: Duration::from_secs(1),
         ..Options::default()
     };

@@ -8,6 +8,10 @@ macro_rules! export {
     ($model:ty) => {
         const _: () = $crate::check(<$model as $crate::Model>::VARIABLES);
 
+        /// What the FMU is described from.
+        #[doc(hidden)]
+        pub type FmuModel = $model;
+
         mod fmi2_functions {
             use super::*;
             use ::core::ffi::{c_char, c_int, c_void};

@@ -60,7 +60,7 @@ fn packager(project: &Project) -> Command {
 }
 
 fn fmus(compiler: Compiler) -> Command {
-    let mut command = Command::new("target/release/fmu-build");
+    let mut command = Command::new("target/release/cargo-fmu");
     command.args(["build", "--out", OUT, "--target", WINDOWS]);
     for machine in ["x86_64", "aarch64"] {
         command.arg("--target");

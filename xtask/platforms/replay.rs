@@ -62,7 +62,7 @@ pub fn wine() -> Command {
 /// Runs a drive here, writes its calls, and repeats them on the other platforms.
 fn compare(drive: &Drive) -> Result<(), Failure> {
     let (inputs, calls) = (inputs(drive)?, format!("{OUT}/{}.calls", drive.name));
-    let mut here = Command::new("target/release/fmu-build");
+    let mut here = Command::new("target/release/cargo-fmu");
     here.arg("replay");
     here.args(
         drive

@@ -1,7 +1,7 @@
 //! The icons of this workspace's models.
 
-use super::Shape::{Box, Disc, Line, Ring};
-use super::{Colour, Icon};
+use crate::icon::Shape::{self, Box, Disc, Line, Ring};
+use crate::icon::{Colour, Icon};
 
 const BLUE: Colour = [0x0b, 0x5f, 0xa5];
 const ORANGE: Colour = [0xd9, 0x77, 0x06];
@@ -9,8 +9,8 @@ const DARK: Colour = [0x1d, 0x25, 0x30];
 const GREY: Colour = [0x9a, 0xa7, 0xb4];
 const WHITE: Colour = [0xff, 0xff, 0xff];
 
-const FRAME: (super::Shape, Colour) = (Box([2.0, 2.0, 98.0, 98.0]), BLUE);
-const SHEET: (super::Shape, Colour) = (Box([5.0, 5.0, 95.0, 95.0]), WHITE);
+const FRAME: (Shape, Colour) = (Box([2.0, 2.0, 98.0, 98.0]), BLUE);
+const SHEET: (Shape, Colour) = (Box([5.0, 5.0, 95.0, 95.0]), WHITE);
 
 /// Engine, two clutches, two shafts, wheel.
 pub(crate) const PLANT: Icon = &[
@@ -64,11 +64,16 @@ pub(crate) const CONTROL: Icon = &[
     (Disc([34.0, 66.0], 4.0), WHITE),
 ];
 
-/// A block with an input and an output.
-pub(super) const BLOCK: Icon = &[
-    (Line([4.0, 50.0], [96.0, 50.0], 5.0), DARK),
-    (Box([20.0, 20.0, 80.0, 80.0]), BLUE),
-    (Box([24.0, 24.0, 76.0, 76.0]), WHITE),
-    (Line([82.0, 42.0], [94.0, 50.0], 5.0), DARK),
-    (Line([82.0, 58.0], [94.0, 50.0], 5.0), DARK),
-];
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::icon::png;
+
+    #[test]
+    fn the_pictures_are_small() {
+        for icon in [PLANT, OBSERVER, CONTROL] {
+            let file = png(icon).unwrap();
+            assert!(file.len() < 8192, "{} bytes", file.len());
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The smoke experiment of this workspace's models: the launch of the closed loop, which each of them sees from
 //! its own side.
 
-use crate::closed_loop::{models, scenario};
+use crate::dct::closed_loop::{models, scenario};
 use crate::drive::{Loop, Role, shown};
 use crate::{Result, Smoke};
 use std::fmt::Write as _;

@@ -2,7 +2,7 @@
 
 use super::{Figures, place, rounded};
 use crate::Result;
-use crate::closed_loop::{models, scenario};
+use crate::dct::closed_loop::{models, scenario};
 use crate::drive::Loop;
 
 /// Communication steps in parts of the longest one, which is the grid on which runs are compared.

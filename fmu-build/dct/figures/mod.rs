@@ -7,18 +7,12 @@ mod control;
 mod observer;
 mod plant;
 
-pub(crate) use control::control;
-pub(crate) use observer::observer;
-pub(crate) use plant::plant;
+pub(super) use control::control;
+pub(super) use observer::observer;
+pub(super) use plant::plant;
 
+use crate::Figures;
 use crate::drive::{Loop, Place, Role};
-
-/// A table of measured figures.
-pub(crate) struct Figures {
-    pub(crate) caption: String,
-    pub(crate) columns: Vec<&'static str>,
-    pub(crate) rows: Vec<Vec<String>>,
-}
 
 /// Communication step [s].
 const STEP: f64 = 1e-3;

@@ -2,7 +2,7 @@
 
 use super::{CASES, Figures, STEP, place, rounded};
 use crate::Result;
-use crate::closed_loop::{models, scenario};
+use crate::dct::closed_loop::{models, scenario};
 use crate::drive::{Loop, Place};
 
 /// `slipping` of the clutches' states.

@@ -1,13 +1,5 @@
 //! What the table of variables cannot tell about a model: the prose of its documentation page.
 
-mod control;
-mod observer;
-mod plant;
-
-pub(crate) use control::CONTROL;
-pub(crate) use observer::OBSERVER;
-pub(crate) use plant::PLANT;
-
 /// Prose of a documentation page. Sentences know `` `code` ``, `**strong**` and `$formula$`.
 ///
 /// ```
@@ -55,13 +47,4 @@ pub struct Equation {
     pub formula: &'static str,
     /// What it says: a few words.
     pub meaning: &'static str,
-}
-
-/// An equation in one line.
-const fn equation(number: &'static str, formula: &'static str, meaning: &'static str) -> Equation {
-    Equation {
-        number,
-        formula,
-        meaning,
-    }
 }

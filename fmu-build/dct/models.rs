@@ -1,8 +1,9 @@
 //! The models this workspace makes FMUs of: the one list that `describe` and `build` go through.
 
+use super::{about, figures, icons, presets, smoke};
 use crate::port::Terminal;
 use crate::ssp::Component;
-use crate::{Entry, Error, Result, about, figures, icon, parameters, smoke};
+use crate::{Entry, Error, Result};
 use dct_models::{ClutchControl, Observer, Plant, ports};
 
 /// All models, in the order in which a signal passes through them.
@@ -10,22 +11,22 @@ pub const MODELS: &[Entry] = &[
     Entry::of::<Plant>("dct-plant")
         .terminals(TERMINALS)
         .about(about::PLANT)
-        .icon(icon::PLANT)
-        .parameter_sets(parameters::presets::<Plant>)
+        .icon(icons::PLANT)
+        .parameter_sets(presets::presets::<Plant>)
         .smoke(smoke::PLANT)
         .figures(figures::plant),
     Entry::of::<Observer>("dct-observer")
         .terminals(TERMINALS)
         .about(about::OBSERVER)
-        .icon(icon::OBSERVER)
-        .parameter_sets(parameters::shared::<Observer>)
+        .icon(icons::OBSERVER)
+        .parameter_sets(presets::shared::<Observer>)
         .smoke(smoke::OBSERVER)
         .figures(figures::observer),
     Entry::of::<ClutchControl>("dct-clutch-control")
         .terminals(TERMINALS)
         .about(about::CONTROL)
-        .icon(icon::CONTROL)
-        .parameter_sets(parameters::positions::<ClutchControl>)
+        .icon(icons::CONTROL)
+        .parameter_sets(presets::positions::<ClutchControl>)
         .smoke(smoke::CONTROL)
         .figures(figures::control),
 ];

@@ -1,0 +1,144 @@
+"""A package outside this workspace that knows `fmi2-cosim` alone: `cargo fmu` makes its FMU."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = (ROOT / "docs/pages/howto/your-own-fmu.md").read_text(encoding="utf-8")
+BUILT = ROOT / "target" / "outside"  # stays warm, unlike the package
+LEFT = 5.0  # s, in which a tank empties to 1/e
+ROUNDING = 1e-12  # relative: sixty steps of some 1e-16 each
+
+# Whoever panics behind an importer must not take it along, whatever the package wants.
+ABORT = '\n[profile.release]\npanic = "abort"\nstrip = false\n'
+
+
+def _listing(name: str) -> str:
+    """Return the block of the page that begins with the comment of a file's name."""
+    (found,) = re.findall(rf"^```\w+\n(?:#|//) {re.escape(name)}\n(.*?)^```$", PAGE, re.M | re.S)
+    return found
+
+
+def _package(folder: Path, manifest: str, code: str) -> Path:
+    (folder / "src").mkdir(parents=True)
+    path = (ROOT / "src/fmi2").as_posix()
+    (folder / "Cargo.toml").write_text(manifest.replace("../dct/src/fmi2", path))
+    (folder / "src/lib.rs").write_text(code)
+    return folder
+
+
+def _cargo(*words: object, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run cargo with `cargo-fmu` in the search path, as after `cargo install`; no network."""
+    tool = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    env = os.environ | {
+        "PATH": f"{tool}{os.pathsep}{os.environ['PATH']}",
+        "CARGO_TARGET_DIR": str(BUILT),
+        "CARGO_NET_OFFLINE": "true",
+    }
+    return subprocess.run(["cargo", *map(str, words)], cwd=folder, env=env, capture_output=True,
+                          text=True, check=False)  # fmt: skip
+
+
+@pytest.fixture(scope="module", autouse=True)
+def tool() -> None:
+    """Build `cargo-fmu`, which the FMUs of the other tests were built with."""
+    subprocess.run(
+        ["cargo", "build", "--quiet", "--release", "-p", "fmu-build"], cwd=ROOT, check=True
+    )
+
+
+@pytest.fixture(scope="module")
+def tank(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the FMU of the page's package, in a folder whose name is no plain one."""
+    folder = tmp_path_factory.mktemp("outside") / "a tänk"
+    code = _listing("src/lib.rs").replace(
+        "let full =", 'assert!(self.inflow < 1e3, "burst");\n        let full ='
+    )
+    _package(folder, _listing("Cargo.toml") + ABORT, code)
+    done = _cargo("fmu", "build", "--out", "out", folder=folder)
+    assert done.returncode == 0, done.stderr
+    fmu = folder / "out/Tank.fmu"
+    assert done.stdout == f"{fmu}\n"
+    return fmu
+
+
+def test_its_fmu_is_valid(tank: Path) -> None:
+    done = _cargo("fmu", "check", tank, folder=tank.parent)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "valid, 1 start values compared" in done.stdout
+    assert validate_fmu(str(tank)) == []
+    description = read_model_description(str(tank))
+    assert (description.modelName, description.version) == ("Tank", "0.1.0")
+
+
+def test_it_fills_as_on_paper(tank: Path) -> None:
+    result = simulate_fmu(
+        str(tank), stop_time=60.0, output_interval=1.0, start_values={"inflow": 2e-3}
+    )
+    volume = 2e-3 * LEFT * (1.0 - np.exp(-result["time"] / LEFT))
+    np.testing.assert_allclose(result["volume"], volume, rtol=ROUNDING)
+
+
+def test_a_panic_ends_in_the_fmu_whatever_its_profile_says(tank: Path) -> None:
+    program = (
+        "import sys, fmpy\n"
+        "try: fmpy.simulate_fmu(sys.argv[1], start_values={'inflow': 2e3})\n"
+        "except Exception as error: print('survived', error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, tank], capture_output=True, text=True,
+                          check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "survived" in done.stdout
+
+
+def test_its_name_is_all_that_is_told_of_this_machine(tank: Path) -> None:
+    """The folders of sources and of cargo are in no member: two machines build the same bytes."""
+    text = subprocess.run(["unzip", "-p", tank], capture_output=True, check=True).stdout
+    for folder in (tank.parents[1], ROOT, Path.home() / ".cargo"):
+        assert str(folder).encode() not in text
+
+
+@pytest.mark.parametrize(
+    ("manifest", "code", "told"),
+    [
+        (("crate-type = ", "# "), ("", ""), r'is of type \["lib"\]; write crate-type'),
+        (("fmi2-cosim", "# "), ("", ""), "tank does not depend on fmi2-cosim"),
+        (("", ""), ("fmi2_cosim::export", "// "), "write fmi2_cosim::export"),
+        (("", ""), ("pub struct", "struct"), "make the model pub"),
+    ],
+)
+def test_what_is_missing_is_told(
+    tmp_path: Path, manifest: tuple[str, str], code: tuple[str, str], told: str
+) -> None:
+    text, rust = _listing("Cargo.toml"), _listing("src/lib.rs")
+    _package(tmp_path / "tank", text.replace(*manifest, 1), rust.replace(*code))
+    done = _cargo("fmu", "build", "--manifest-path", "tank", folder=tmp_path)
+    assert done.returncode == 1
+    assert re.search(told, done.stderr), done.stderr
+
+
+def test_a_workspace_gives_the_fmus_of_all_its_packages(tmp_path: Path) -> None:
+    (tmp_path / "Cargo.toml").write_text(
+        '[workspace]\nresolver = "3"\nmembers = ["tank", "plain"]\n'
+    )
+    _package(tmp_path / "tank", _listing("Cargo.toml"), _listing("src/lib.rs"))
+    _package(tmp_path / "plain", '[package]\nname = "plain"\nversion = "0.1.0"\n', "")
+    done = _cargo("fmu", "build", "--manifest-path", tmp_path / "Cargo.toml", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"{BUILT / 'fmu/Tank.fmu'}\n"
+    (tmp_path / "tank/Cargo.toml").unlink()
+    _package(tmp_path / "none", '[package]\nname = "tank"\nversion = "0.1.0"\n', "")
+    (tmp_path / "none/Cargo.toml").rename(tmp_path / "tank/Cargo.toml")
+    done = _cargo("fmu", "build", folder=tmp_path)
+    assert done.returncode == 1
+    assert "no package of the workspace" in done.stderr
