@@ -95,20 +95,22 @@ def test_rows_before_a_failure_are_kept(
     assert kept.run["status"] == "partial"
 
 
+@pytest.mark.parametrize("isolate", ["none", "foreign"])
 @pytest.mark.parametrize("module", ["None", "__import__('types').ModuleType('of_before')"])
 def test_a_module_that_is_missing_or_old_is_told_with_its_remedy(
-    tmp_path: Path, lag_dir: Path, module: str
+    tmp_path: Path, lag_dir: Path, module: str, isolate: str
 ) -> None:
     system = write_system(tmp_path)
     script = (
         f"import sys; sys.modules['cosim_native'] = {module}; "
         "from dct_harness.cli import main; sys.exit(main())"
     )
-    words = ("run", system, "--fmu-dir", lag_dir, "--isolate", "none", "--out", tmp_path / "o")
+    words = ("run", system, "--fmu-dir", lag_dir, "--isolate", isolate, "--out", tmp_path / "o")
     command = [HARNESS[0], "-c", script, *map(str, words), *NATIVE]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr
     assert "`cargo xtask native` builds it" in done.stderr
+    assert not (tmp_path / "o").exists()
 
 
 def lag_plan(fmus: Path, **start: float) -> str:

@@ -62,6 +62,7 @@ class NativeRun(Run):
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
         """As `Run.execute`; the log is that of the instances that ran."""
+        compiled()
         try:
             super().execute(progress)
         finally:
@@ -231,6 +232,16 @@ def made(
 
     FMUs are unpacked below `folder`. `ended` is asked from time to time, with the number of steps
     so far; the rows lie in `out`.
+    """
+    native = compiled()
+    work = ([plan], times, np.ascontiguousarray(script))
+    fmus = native.Fmus(folder)
+    _, rows, error, log = native.run(*work, out=out, fmus=fmus, watch=ended)[0]
+    return rows, ERRORS[error[0]](error[1]) if error else None, log
+
+
+def compiled() -> Any:
+    """Return the compiled master.
 
     Raises
     ------
@@ -247,10 +258,7 @@ def made(
         raise ConfigError(
             "the module cosim_native is of another version: `cargo xtask native` builds it anew"
         )
-    work = ([plan], times, np.ascontiguousarray(script))
-    fmus = native.Fmus(folder)
-    _, rows, error, log = native.run(*work, out=out, fmus=fmus, watch=ended)[0]
-    return rows, ERRORS[error[0]](error[1]) if error else None, log
+    return native
 
 
 def _told(folder: Path, steps: int) -> bool:
