@@ -17,8 +17,8 @@ from harness_fixture.lag_fmu import LAG, VARIES, run, variable, write_fmu, write
 ENGINES = ("fmpy", "native")
 CAN = f'{VARIES} canInterpolateInputs="true"'
 TELLS = f'{CAN} maxOutputDerivativeOrder="1"'
-STARTS = (("reach", "1e9"), ("most", "1e9"), ("mute", "0"))
-MORE = tuple(variable(name, k, "parameter", start) for k, (name, start) in enumerate(STARTS, 6))
+STARTS = (("reach", 6, "1e9"), ("most", 7, "1e9"), ("mute", 8, "0"), ("ends", 13, "1e9"))
+MORE = tuple(variable(name, k, "parameter", start) for name, k, start in STARTS)
 STEPS = "time,u\n0,0\n0.25,1.3\n0.4,-0.7\n10,20\n"
 TWO = """[system]
 name = "two"
@@ -100,6 +100,26 @@ def test_slopes_between_fmus(
     code, _, loop = same(tmp_path / "s.toml", lags[can], "--isolate", "none")
     assert code == 0
     assert min(np.ptp(loop[f"{name}.x"]) for name in ("first", "second")) > 0.1
+
+
+@pytest.mark.parametrize("coupling", ["gauss-seidel", "jacobi"])
+@pytest.mark.parametrize("can", [VARIES, TELLS])
+@pytest.mark.parametrize("ends", [("first",), ("second",), ("first", "second")])
+def test_where_an_fmu_ends_the_run_the_others_finish_the_step(
+    tmp_path: Path, lags: dict[str, Path], coupling: str, can: str, ends: tuple[str, ...]
+) -> None:
+    (tmp_path / "s.toml").write_text(TWO.format(coupling))
+    (tmp_path / "s.csv").write_text("time,none\n0,0\n")
+    run(tmp_path / "s.toml", lags[can], "-q", "--isolate", "none")
+    endless = results.load(tmp_path / "out")
+    given = [word for name in ends for word in ("--set", f"{name}.ends=0.3")]
+    code, told, loop = same(tmp_path / "s.toml", lags[can], "--isolate", "none", *given)
+    said = "asked to end the simulation at 0.3 s (fmi2Terminated), before the run's stop"
+    assert (code, told) == (4, f"dct-harness: {ends[0]} {said}\n")
+    count = len(loop.time)
+    assert (loop.time[-1], len(endless.time)) == (0.3, 35)
+    for name, signal in loop.signals.items():  # an ending FMU's last step differs by rounding
+        assert np.abs(signal - endless[name][:count]).max() < 1e-12
 
 
 @pytest.mark.parametrize(("can", "options", "said"), [

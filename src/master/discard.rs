@@ -1,4 +1,6 @@
 //! What to do when an FMU cannot take a step: fmi2Discard of fmi2DoStep (FMI 2.0.4, 4.2.2).
+//!
+//! It is asked first whether it wants the simulation to end (fmi2Terminated).
 
 use crate::derivatives::advance;
 use crate::error::{Error, Seconds};
@@ -50,14 +52,13 @@ fn divide(
     slopes: &[f64],
     (time, step): (f64, f64),
 ) -> Result<(), Error> {
-    if !fmu.varies_step() {
-        let why = "it cannot take this step and takes no other one; change system.step";
-        return Err(fmu.give_up(why));
-    }
     let end = time + step;
     let (mut at, mut part, mut discarded) = (time, step, true);
     while end - at > ROUNDING * step {
         if discarded {
+            if fmu.is_terminated() {
+                return Err(over(fmu, at, (time, step)));
+            }
             let before = at;
             (at, part) = after(fmu, at, end, part)?;
             advance(inputs, slopes, at - before);
@@ -77,8 +78,25 @@ fn divide(
     Ok(())
 }
 
+/// The end of the simulation where the FMU got to from `at` on in the step; `at` when it does not tell.
+fn over(fmu: &mut Fmu, at: f64, (time, step): (f64, f64)) -> Error {
+    let end = time + step + ROUNDING * step;
+    let told = fmu.reached().filter(|time| (at..=end).contains(time));
+    fmu.end(told.unwrap_or(at))
+}
+
+/// Whether an error is that an FMU asked to end the simulation where the step from `time` by `step` [s] ends: this step is
+/// whole, and no other one follows.
+pub fn is_over_after(error: &Error, (time, step): (f64, f64)) -> bool {
+    matches!(error, Error::Over { time: over, .. } if *over >= time + step - ROUNDING * step)
+}
+
 /// Where the FMU is after a discarded step of `part` from `at`, and the next step.
 fn after(fmu: &mut Fmu, at: f64, end: f64, part: f64) -> Result<(f64, f64), Error> {
+    if !fmu.varies_step() {
+        let why = "it cannot take this step and takes no other one; change system.step";
+        return Err(fmu.give_up(why));
+    }
     let Some(reached) = fmu.reached() else {
         let why = "it does not tell how far it got (fmi2GetRealStatus); choose a smaller step";
         return Err(fmu.give_up(why));

@@ -70,6 +70,13 @@ pub enum Error {
         /// Why it is not waited for, and the last messages of the FMU.
         what: String,
     },
+    /// An FMU asked to end the simulation (fmi2Terminated) before the run's stop.
+    Over {
+        /// Component name.
+        component: String,
+        /// Where it wants it to end [s].
+        time: f64,
+    },
     /// A run was ended from outside.
     Ended {
         /// Communication point [s].
@@ -91,11 +98,11 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether the FMUs ran and one of them failed, rather than the question being wrong.
+    /// Whether the FMUs ran and one of them failed or ended the run, rather than the question being wrong.
     pub fn is_at_run_time(&self) -> bool {
         matches!(
             self,
-            Self::Call { .. } | Self::Coding(_) | Self::Value { .. }
+            Self::Call { .. } | Self::Over { .. } | Self::Coding(_) | Self::Value { .. }
         )
     }
 
@@ -165,6 +172,9 @@ impl fmt::Display for Error {
                     "{component}: {function} at t = {time} s does not return: {what}"
                 )
             }
+            Self::Over { component, time } => {
+                write!(f, "{component} {}, before the run's stop", asks_end(*time))
+            }
             Self::Ended { time } => write!(f, "stopped at t = {} s", Seconds(*time)),
             Self::Value {
                 name,
@@ -180,6 +190,12 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// What is told of an FMU that asked to end the simulation at a time [s].
+pub fn asks_end(time: f64) -> String {
+    let time = Seconds(time);
+    format!("asked to end the simulation at {time} s (fmi2Terminated)")
+}
 
 /// What the operating system said, without its number.
 fn words(error: &std::io::Error) -> String {

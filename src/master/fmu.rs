@@ -2,7 +2,7 @@
 
 use crate::derivatives::Derivatives;
 use crate::description::{Causality, Description, Variable};
-use crate::error::{Error, Seconds};
+use crate::error::{Error, Seconds, asks_end};
 use crate::library::Library;
 use crate::plan::Value;
 use crate::signals::{Failure, Signals};
@@ -166,6 +166,20 @@ impl Fmu {
     /// Where it is after a discarded step [s]; none when it does not tell.
     pub fn reached(&mut self) -> Option<f64> {
         self.instance.last_successful_time()
+    }
+
+    /// Whether it wants the simulation to end, after a discarded step.
+    pub fn is_terminated(&mut self) -> bool {
+        self.instance.is_terminated()
+    }
+
+    /// Notes that it wants the simulation to end at `time` [s]; the error of a run that goes on.
+    pub fn end(&mut self, time: f64) -> Error {
+        self.log.warn(asks_end(time));
+        Error::Over {
+            component: self.name.clone(),
+            time,
+        }
     }
 
     /// Whether its steps may differ in length.

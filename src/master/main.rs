@@ -52,9 +52,9 @@ Examples:
   cosim run examples/closed_loop/calibration_case1.toml --calibration earlier/calibration.ssv
   cosim run examples/closed_loop/paper_case1.toml --timeout 60
 
-Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed, 5 timeout,
-130 Ctrl-C; the rows before a failure, the limit or Ctrl-C are written, also when an FMU does not return
-within 2 s of either. A second Ctrl-C ends at once.";
+Exit codes: 0 done, 2 usage or configuration, 3 an FMU does not load, 4 an FMU failed or asked to end
+the simulation before the stop, 5 timeout, 130 Ctrl-C; the rows before a failure, the limit or Ctrl-C are
+written, also when an FMU does not return within 2 s of either. A second Ctrl-C ends at once.";
 
 /// What to do about an FMU that does not return.
 const REMEDY: &str = "; another --step may get past this time, else who made the FMU must mend it";

@@ -102,13 +102,26 @@ impl Part {
 
     /// Advances with the gathered inputs, in equal parts.
     pub fn step(&mut self, world: &mut [f64], time: f64, step: f64) -> Result<(), Error> {
-        if self.substeps == 1 {
+        let done = if self.substeps == 1 {
             self.time = time;
-            self.step_once(step)?;
+            self.step_once(step)
         } else {
-            self.step_in_parts(time, step)?;
+            self.step_in_parts(time, step)
+        };
+        if let Err(error) = done {
+            return self.after(error, world, (time, step));
         }
         self.get_outputs(world)
+    }
+
+    /// Reads the outputs of an FMU that asked to end the simulation where the step ends; then, and only
+    /// then, they are good although it discarded the step (FMI 2.0.4, 4.2.4, "stepFailed").
+    #[cold]
+    fn after(&mut self, error: Error, world: &mut [f64], step: (f64, f64)) -> Result<(), Error> {
+        if discard::is_over_after(&error, step) {
+            self.get_outputs(world)?;
+        }
+        Err(error)
     }
 
     fn step_in_parts(&mut self, time: f64, step: f64) -> Result<(), Error> {

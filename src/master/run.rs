@@ -1,5 +1,6 @@
 //! The loop itself: initialisation, then Gauss-Seidel or Jacobi steps.
 
+use crate::discard::is_over_after;
 use crate::error::Error;
 use crate::library::Libraries;
 use crate::live::Live;
@@ -120,13 +121,30 @@ impl Run {
             if done.is_err() {
                 break;
             }
-            done = self.advance(time, next - time, (scripted(k), scripted(k + 1)));
-            done = done.and_then(|()| {
-                self.play(scripted(k + 1));
-                self.record(&mut recorder, next)
-            });
+            let script = (scripted(k), scripted(k + 1));
+            done = self.pass((time, next), script, &mut recorder);
+        }
+        if matches!(done, Err(Error::Over { .. })) && recorder.good() == times.len() {
+            done = Ok(());
         }
         (recorder.good(), done)
+    }
+
+    /// Goes from one communication point [s] to the next and records it; an FMU may ask to end the simulation there.
+    #[inline]
+    fn pass(
+        &mut self,
+        (time, next): (f64, f64),
+        script: (&[f64], &[f64]),
+        recorder: &mut Recorder<'_>,
+    ) -> Result<(), Error> {
+        let step = (time, next - time);
+        let done = self.advance(step, script);
+        if done.as_ref().is_err_and(|why| !is_over_after(why, step)) {
+            return done;
+        }
+        self.play(script.1);
+        self.record(recorder, next).and(done)
     }
 
     /// Passes initial values on until nothing changes.
@@ -179,14 +197,14 @@ impl Run {
     }
 
     /// Steps all components; over the step the scenario goes from one row to the next.
-    fn advance(&mut self, time: f64, step: f64, script: (&[f64], &[f64])) -> Result<(), Error> {
+    fn advance(&mut self, (time, step): (f64, f64), script: (&[f64], &[f64])) -> Result<(), Error> {
         let Self { parts, world, .. } = self;
         if let Some(slopes) = &mut self.slopes {
             slopes.begin(parts, world, script, step)?;
             return along(slopes, self.coupling, parts, world, (time, step));
         }
         match self.coupling {
-            Coupling::GaussSeidel => parts.iter_mut().try_for_each(|part| {
+            Coupling::GaussSeidel => each(parts, (time, step), |part| {
                 part.gather.gather(world, time)?;
                 part.step(world, time, step)
             }),
@@ -194,9 +212,7 @@ impl Run {
                 parts
                     .iter_mut()
                     .try_for_each(|part| part.gather.gather(world, time))?;
-                parts
-                    .iter_mut()
-                    .try_for_each(|part| part.step(world, time, step))
+                each(parts, (time, step), |part| part.step(world, time, step))
             }
         }
     }
@@ -241,19 +257,36 @@ fn along(
     (time, step): (f64, f64),
 ) -> Result<(), Error> {
     match coupling {
-        Coupling::GaussSeidel => parts.iter_mut().try_for_each(|part| {
+        Coupling::GaussSeidel => each(parts, (time, step), |part| {
             slopes.feed(part, world, time)?;
-            part.step(world, time, step)?;
+            let done = part.step(world, time, step);
             slopes.after(part, world);
-            Ok(())
+            done
         }),
         Coupling::Jacobi => {
             let mut all = parts.iter_mut();
             all.try_for_each(|part| slopes.feed(part, world, time))?;
-            let mut all = parts.iter_mut();
-            all.try_for_each(|part| part.step(world, time, step))
+            each(parts, (time, step), |part| part.step(world, time, step))
         }
     }
+}
+
+/// Lets components take a step; where one asks to end the simulation at its end, the others take it too.
+#[inline]
+fn each(
+    parts: &mut [Part],
+    step: (f64, f64),
+    mut take: impl FnMut(&mut Part) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut parts = parts.iter_mut();
+    let mut over = Ok(());
+    while let Err(error) = parts.try_for_each(&mut take) {
+        if !is_over_after(&error, step) {
+            return Err(error);
+        }
+        over = over.and(Err(error));
+    }
+    over
 }
 
 /// All values are numbers; false where that takes a look at each: values too large for a sum are no reason.

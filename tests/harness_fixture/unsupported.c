@@ -7,5 +7,5 @@ UNSUPPORTED(fmi2GetFMUstate) UNSUPPORTED(fmi2SetFMUstate) UNSUPPORTED(fmi2FreeFM
 UNSUPPORTED(fmi2SerializedFMUstateSize) UNSUPPORTED(fmi2SerializeFMUstate)
 UNSUPPORTED(fmi2DeSerializeFMUstate) UNSUPPORTED(fmi2GetDirectionalDerivative)
 UNSUPPORTED(fmi2CancelStep) UNSUPPORTED(fmi2GetStatus)
-UNSUPPORTED(fmi2GetIntegerStatus) UNSUPPORTED(fmi2GetBooleanStatus)
+UNSUPPORTED(fmi2GetIntegerStatus)
 UNSUPPORTED(fmi2GetStringStatus)

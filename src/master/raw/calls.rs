@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// What a run calls, as it is told.
-const NAMES: [&str; 17] = [
+const NAMES: [&str; 18] = [
     "the loading of its library",
     "fmi2Instantiate",
     "fmi2SetupExperiment",
@@ -13,6 +13,7 @@ const NAMES: [&str; 17] = [
     "fmi2FreeInstance",
     "fmi2DoStep",
     "fmi2GetRealStatus",
+    "fmi2GetBooleanStatus",
     "fmi2SetReal",
     "fmi2SetInteger",
     "fmi2SetBoolean",

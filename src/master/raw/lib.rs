@@ -24,7 +24,8 @@ pub use status::Status;
 use calls::number;
 use fmi::fmi2::binding::{
     Fmi2Binding, fmi2CallbackFunctions, fmi2Component, fmi2Status,
-    fmi2StatusKind_fmi2LastSuccessfulTime, fmi2Type_fmi2CoSimulation,
+    fmi2StatusKind_fmi2LastSuccessfulTime, fmi2StatusKind_fmi2Terminated,
+    fmi2Type_fmi2CoSimulation,
 };
 use fmi::fmi2::import::Fmi2Import;
 use fmi::traits::FmiImport;
@@ -207,6 +208,24 @@ impl Instance {
                 .fmi2GetRealStatus(self.component, kind, &raw mut time)
         };
         Status::check(status).ok().map(|()| time)
+    }
+
+    /// fmi2Terminated after a discarded step: the FMU wants the simulation to end; false when it does not tell.
+    pub fn is_terminated(&mut self) -> bool {
+        let mut terminated = 0;
+        if self.binding.fmi2GetBooleanStatus.is_err() {
+            return false;
+        }
+        self.log.enter(const { number("fmi2GetBooleanStatus") });
+        // SAFETY: the instance lives, and so does the one number that is written.
+        let status = unsafe {
+            self.binding.fmi2GetBooleanStatus(
+                self.component,
+                fmi2StatusKind_fmi2Terminated,
+                &raw mut terminated,
+            )
+        };
+        Status::check(status).is_ok() && terminated != 0
     }
 
     /// fmi2SetRealInputDerivatives of first order; `orders` has a 1 for each.

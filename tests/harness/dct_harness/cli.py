@@ -28,8 +28,8 @@ VERBS = (run, check, map_verb, report, compare, convert, identify, sweep, export
 CLOSED_PIPE = 141  # as a shell reports SIGPIPE
 EXIT_CODES = """exit codes:
   0 pass, 1 KPI or regression fails, 2 usage or configuration, 3 FMU invalid,
-  4 FMU failed at run time, 5 timeout, 6 no binary for this platform,
-  130 interrupted (the samples until then are kept)
+  4 FMU failed at run time or asked to end the simulation before stop, 5 timeout,
+  6 no binary for this platform, 130 interrupted (the samples until then are kept)
 
 `dct-harness VERB --help` shows options and examples.
 """

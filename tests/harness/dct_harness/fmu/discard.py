@@ -1,4 +1,7 @@
-"""What to do when an FMU cannot take a step: fmi2Discard of fmi2DoStep (FMI 2.0.4, 4.2.2)."""
+"""What to do when an FMU cannot take a step: fmi2Discard of fmi2DoStep (FMI 2.0.4, 4.2.2).
+
+It is asked first whether it wants the simulation to end (fmi2Terminated).
+"""
 
 from __future__ import annotations
 
@@ -19,22 +22,24 @@ def finish(fmu: Any, t: float, h: float) -> None:
     Raises
     ------
     FmuRuntimeError
-        The FMU cannot vary its step, does not tell how far it got, or does not get on.
+        The FMU cannot vary its step, does not tell how far it got, does not get on, or asks to end
+        the simulation before `t + h`.
     """
-    varies = fmu.description.coSimulation.canHandleVariableCommunicationStepSize
-    if str(varies).lower() != "true":
-        fmu.give_up("it cannot take this step and takes no other one; change system.step")
     with fmu.inputs_kept():
-        _divide(fmu, t, h)
-    fmu.note_discard(t)
+        ended = _divide(fmu, t, h)
+    if not ended:
+        fmu.note_discard(t)
 
 
-def _divide(fmu: Any, t: float, h: float) -> None:
-    """Take the step in parts, with inputs that go on."""
+def _divide(fmu: Any, t: float, h: float) -> bool:
+    """Take the step in parts, with inputs that go on; returns whether it is the last one."""
     end, at, part = t + h, t, h
     discarded = True
     while end - at > ROUNDING * h:
         if discarded:
+            if fmu.terminated():
+                _end(fmu, at, end, ROUNDING * h)
+                return True
             before = at
             at, part = _after(fmu, at, end, part)
             fmu.advance_inputs(at - before)
@@ -45,10 +50,27 @@ def _divide(fmu: Any, t: float, h: float) -> None:
         if not discarded:
             at += part
             fmu.advance_inputs(part)
+    return False
+
+
+def _end(fmu: Any, at: float, end: float, rounding: float) -> None:
+    """End the simulation where the FMU got to from `at`; its values there are those of `end`.
+
+    After fmi2Terminated, and only then, they are good (FMI 2.0.4, 4.2.4, "stepFailed").
+    """
+    reached = fmu.reached()
+    told = reached is not None and at <= reached <= end + rounding
+    error = fmu.note_end(reached if told else at)
+    if not (told and reached >= end - rounding):
+        raise error
+    fmu.get_outputs()
 
 
 def _after(fmu: Any, at: float, end: float, part: float) -> tuple[float, float]:
     """Return where the FMU is after a discarded step of `part` from `at`, and the next step."""
+    varies = fmu.description.coSimulation.canHandleVariableCommunicationStepSize
+    if str(varies).lower() != "true":
+        fmu.give_up("it cannot take this step and takes no other one; change system.step")
     reached = fmu.reached()
     if reached is None:
         fmu.give_up("it does not tell how far it got (fmi2GetRealStatus); choose a smaller step")

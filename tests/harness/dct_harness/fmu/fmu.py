@@ -7,7 +7,7 @@ import hashlib
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -15,48 +15,39 @@ from typing import Any, NoReturn
 
 import fmpy
 import numpy as np
-from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
 from ..errors import (
     ConfigError,
     FmuInvalidError,
-    FmuRuntimeError,
-    HarnessError,
     PlatformError,
-    instant,
 )
 from . import values as single
 from .archive import described, unpack
 from .discard import finish
-from .loader import explain, missing_bytes
-from .ports import GROUPS, Ports
+from .host import CTYPES, lacks
+from .loader import FMU2Part, explain, missing_bytes
+from .ports import GROUPS
 from .slopes import continuous, followed
+from .told import Failed, Told, returned
 from .values import group_of
 
-STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-DISCARD = 2
-LAST_TIME = 2  # fmi2LastSuccessfulTime
-LAST_MESSAGES = 5
-UNASKED = "; its log is off: --fmu-log lets it say why"
-Failed = Callable[[str, str], HarnessError]  # an error of a function and what it did
+DISCARD = 2  # fmi2Status
+LAST_TIME, TERMINATED = 2, 3  # fmi2LastSuccessfulTime, fmi2Terminated
 
 
-class Fmu(Ports):
+class Fmu(Told):
     """A loaded instance; `close` frees everything and may be called at any point."""
 
     def __init__(self, name: str, path: Path) -> None:
-        self.name, self.path = name, path
-        self.asked = False  # to log although we have not built it
-        self.log: list[dict[str, Any]] = []
+        super().__init__(name, path)
         self.wall_time = 0.0
-        self.now = 0.0
         self._slave: Any = None
         self._slopes: np.ndarray | None = None
         self._steer: Any = None  # how to set input derivatives
         self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
         self._instantiated = False
-        self._stepping = self._discards = False
+        self._stepping = False
         self._directory = unpack(path)
         try:
             self._open()
@@ -84,7 +75,7 @@ class Fmu(Ports):
             raise FmuInvalidError(f"{self.path}: the library is cut short by {cut} bytes")
         here = Path.cwd()
         try:
-            return fmi2.FMU2Slave(
+            slave = FMU2Part(
                 guid=self.description.guid, unzipDirectory=str(self._directory),
                 modelIdentifier=identifier, instanceName=self.name,
             )  # fmt: skip
@@ -93,6 +84,10 @@ class Fmu(Ports):
             raise FmuInvalidError(f"{self.path}: the library does not load: {why}") from error
         finally:
             os.chdir(here)
+        if lack := lacks(slave.dll):
+            fmpy.freeLibrary(slave.dll._handle)
+            raise FmuInvalidError(f"{self.path}: the library does not load: {lack}")
+        return slave
 
     def identity(self) -> dict[str, str]:
         """Return what `run.json` records of the FMU."""
@@ -110,7 +105,7 @@ class Fmu(Ports):
         may tell of every call, only what they say unasked is heard unless `asked`.
         """
         self._call("fmi2Instantiate", lambda: self._slave.instantiate(
-            callbacks=self._callbacks(), loggingOn=self.is_ours or self.asked))  # fmt: skip
+            callbacks=self.callbacks(), loggingOn=self.is_ours or self.asked))  # fmt: skip
         self._instantiated = True
         for name, value in values.items():
             self._set_start(name, value)
@@ -141,7 +136,7 @@ class Fmu(Ports):
     def _refused(self, variable: Any, value: Any, function: str, what: str) -> ConfigError:
         shown = value if isinstance(value, str) else np.format_float_positional(value, trim="-")
         told = f"'{self.name}.{variable.name}' = {shown} is refused: {function} {what}"
-        return ConfigError(told + self._said(), variable.name)
+        return ConfigError(told + self.said(), variable.name)
 
     def bind(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Attach the float buffers that `set_inputs` reads and `get_outputs` writes.
@@ -291,62 +286,37 @@ class Fmu(Ports):
 
     def reached(self) -> float | None:
         """Return fmi2LastSuccessfulTime [s] after a discarded step; None if it is not told."""
-        value = ctypes.c_double()
-        function = self._slave.dll["fmi2GetRealStatus"]
-        status = function(self._component, ctypes.c_int(LAST_TIME), ctypes.byref(value))
-        return value.value if status <= 1 else None
+        return self._status("Real", LAST_TIME)
+
+    def terminated(self) -> bool:
+        """Return fmi2Terminated after a discarded step: it wants the simulation to end."""
+        return bool(self._status("Boolean", TERMINATED))
+
+    def _status(self, group: str, kind: int) -> float | None:
+        """Return what the FMU tells of a discarded step; None if it does not."""
+        value = CTYPES[group]()
+        function = self._slave.dll[f"fmi2Get{group}Status"]
+        status = function(self._component, ctypes.c_int(kind), ctypes.byref(value))
+        return float(value.value) if status <= 1 else None
 
     def _call(self, function: str, action: Any, failed: Failed | None = None) -> None:
         """Call a function of the FMU; `failed` makes the error of one that does not succeed."""
-        failed = failed or self._error
+        failed = failed or self.failed
         try:
             action()
         except FMICallException as error:
-            raise failed(function, _returned(error.status)) from error
+            raise failed(function, returned(error.status)) from error
         except Exception as error:
             raise failed(function, str(error)) from error
 
     def _fail(self, function: str, status: int) -> None:
         self._stepping = False
-        raise self._error(function, _returned(status))
-
-    def note_discard(self, t: float) -> None:
-        """Tell in the log, once, that steps had to be divided."""
-        if not self._discards:
-            what = f"fmi2DoStep at t = {instant(t)} s returned fmi2Discard; this step was divided"
-            self.log.append({"component": self.name, "time": t, "status": "Warning",
-                             "category": "harness", "message": what})  # fmt: skip
-        self._discards = True
+        raise self.failed(function, returned(status))
 
     def give_up(self, why: str) -> NoReturn:
         """Raise the error of a discarded step."""
         self._stepping = False
-        raise self._error("fmi2DoStep", f"returned fmi2Discard: {why}")
-
-    def _error(self, function: str, what: str) -> FmuRuntimeError:
-        told = f"{self.name}: {function} at t = {instant(self.now)} s {what}"
-        return FmuRuntimeError(told + self._said())
-
-    def _said(self) -> str:
-        if not (self.log or self.asked or self.is_ours):
-            return UNASKED
-        last = self.log[-LAST_MESSAGES:]
-        return "".join(f"\n  {m['category']}: {m['message']}" for m in last)
-
-    def _callbacks(self) -> Any:
-        def logger(_env: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:
-            self.log.append({
-                "component": self.name, "time": self.now, "status": STATUS[status],
-                "category": (category or b"").decode("utf-8", "replace"),
-                "message": _plain((message or b"").decode("utf-8", "replace")),
-            })  # fmt: skip
-
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger)
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        self._kept = callbacks
-        return callbacks
+        raise self.failed("fmi2DoStep", f"returned fmi2Discard: {why}")
 
     def close(self) -> None:
         """Terminate, free, unload, remove the temporary directory; never raises."""
@@ -360,16 +330,6 @@ class Fmu(Ports):
     def remove_directory(self) -> None:
         """Remove the unpacked archive only."""
         shutil.rmtree(self._directory, ignore_errors=True)
-
-
-def _returned(status: int) -> str:
-    word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
-    return f"returned fmi2{word}"
-
-
-def _plain(message: str) -> str:
-    """Return a message without the doubling of the characters that a C importer would format."""
-    return message.replace("%%", "%").replace("##", "#")
 
 
 def _release(slave: Any, instantiated: bool, stepping: bool) -> None:

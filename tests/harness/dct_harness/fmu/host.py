@@ -3,7 +3,7 @@
 It imports the standard library only, so that it starts in 30 ms. Requests and answers:
 
     letter  I set inputs, O get outputs, S set inputs, step, get outputs      answer: one byte, the
-            status 0 to 5 of the first call that failed; 100 added when there are messages
+            status 0 to 6 of the first call that failed; 100 added when there are messages
     J + length (4 bytes) + JSON {"do": name, ...}                             answer: length + JSON
 
 Numbers of the letters travel in a file mapped into both processes: t, h, which call failed, then
@@ -27,6 +27,11 @@ SEVERE, ERRORS = 2, 100  # fmi2Discard; so many from there on are kept of a floo
 LONGEST = 4000  # bytes of a message
 MORE = 100  # added to a status when there are messages
 FORKED = 50  # status: the FMU has started a process
+MISSING = 6  # status: the FMU has no such function
+NEEDED = (
+    "fmi2Instantiate", "fmi2FreeInstance", "fmi2SetupExperiment", "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2DoStep",
+)  # fmt: skip
 GROUPS = ("Real", "Integer", "Boolean")
 CALLS = ("fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2DoStep",
          "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2SetRealInputDerivatives",
@@ -50,6 +55,37 @@ class Callbacks(ctypes.Structure):
     )  # fmt: skip
 
 
+class Library:
+    """A shared library in which functions may be missing: they do nothing and return MISSING."""
+
+    def __init__(self, dll: ctypes.CDLL) -> None:
+        self._dll = dll
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a function, the same one each time, or what else a CDLL has."""
+        found = getattr(self._dll, name, None) or _absent(name)
+        setattr(self, name, found)  # the next time it is at hand
+        return found
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a function of its own."""
+        return self._dll[name] if hasattr(self._dll, name) else _absent(name)
+
+
+def _absent(name: str) -> Callable[..., int]:
+    def absent(*_: Any) -> int:
+        return MISSING
+
+    absent.__name__ = name
+    return absent
+
+
+def lacks(library: Library) -> str:
+    """Return which function that every run calls a library lacks, as a sentence; "" if none."""
+    dll = library._dll
+    return next((f"its library has no {name}" for name in NEEDED if not hasattr(dll, name)), "")
+
+
 class Host:
     """One instance of one FMU."""
 
@@ -65,11 +101,11 @@ class Host:
         self._tool = tool
         limit(memory)
         try:
-            self._dll = ctypes.CDLL(library)
+            self._dll = Library(ctypes.CDLL(library))
         except OSError as error:
             return str(error)
         self._proxy = proxy
-        return ""
+        return lacks(self._dll)
 
     def instantiate(self, name: str, guid: str, resources: str, logging: bool) -> int:
         """Make the instance; returns 0, or 3 when there is none."""
@@ -207,14 +243,12 @@ class Host:
 
     def _failed(self, k: int, status: int) -> int:
         self._numbers[2] = float(k)
-        return status if 0 <= status <= 5 else 3
+        return status if 0 <= status <= MISSING else 3
 
-    def reached(self) -> list[float]:
-        """Return status and value of fmi2LastSuccessfulTime [s]."""
-        value = ctypes.c_double()
-        kind = ctypes.c_int(2)  # fmi2LastSuccessfulTime
-        status = self._dll.fmi2GetRealStatus(self._component, kind, ctypes.byref(value))
-        return [status, value.value]
+    def status(self, group: str, kind: int) -> list[float]:
+        """Return status and value of an fmi2StatusKind."""
+        value, function = CTYPES[group](), self._dll[f"fmi2Get{group}Status"]
+        return [function(self._component, ctypes.c_int(kind), ctypes.byref(value)), value.value]
 
     def told(self) -> dict[str, Any]:
         """Return and forget the messages; how many were dropped; the working directory."""

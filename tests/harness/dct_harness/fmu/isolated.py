@@ -17,11 +17,12 @@ import numpy as np
 
 from ..errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutError, instant
 from .archive import described
-from .fmu import DISCARD, STATUS, Failed, Fmu
+from .fmu import DISCARD, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
 from .loader import explain
 from .ports import GROUPS, is_ours
 from .remote import Remote
+from .told import Failed, returned, word
 from .values import group_of
 
 EXCHANGE = ".dct-harness-exchange"
@@ -84,11 +85,11 @@ class Isolated(Fmu):
             raise FmuInvalidError(f"{self.path}: the library does not load: {why}")
         return _Slave(self, self._remote)
 
-    def _callbacks(self) -> None:
+    def callbacks(self) -> None:
         """Callbacks live in the other process."""
 
     def _call(self, function: str, action: Any, failed: Failed | None = None) -> None:
-        failed = failed or self._error
+        failed = failed or self.failed
         try:
             action()
             self._collect()
@@ -102,19 +103,14 @@ class Isolated(Fmu):
         """Take the messages of the FMU over."""
         told = self._remote.ask("told", self.doing("the log"))
         for status, category, message in told["messages"]:
-            word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
-            self._note(word, category, message.replace("##", "#"))
+            self.note(word(status), category, message.replace("##", "#"))
         if told["dropped"] > self._dropped:
             if self._dropped == 0:
-                self._note("Warning", "harness", "floods its log: further messages are dropped")
+                self.note("Warning", "harness", "floods its log: further messages are dropped")
             self._dropped = told["dropped"]
         if Path(told["folder"]) != Path.cwd() and not self._moved:
             self._moved = True
-            self._note("Warning", "harness", f"changed its working directory: {told['folder']}")
-
-    def _note(self, status: str, category: str, message: str) -> None:
-        self.log.append({"component": self.name, "time": self.now, "status": status,
-                         "category": category, "message": message})  # fmt: skip
+            self.note("Warning", "harness", f"changed its working directory: {told['folder']}")
 
     def doing(self, function: str) -> str:
         """Return a call and its time, for errors."""
@@ -168,9 +164,9 @@ class Isolated(Fmu):
         self._buffers[1][:] = self._got
         return 0
 
-    def reached(self) -> float | None:
-        """Return fmi2LastSuccessfulTime [s] after a discarded step; None if it is not told."""
-        status, value = self._remote.ask("reached", self.doing("fmi2GetRealStatus"))
+    def _status(self, group: str, kind: int) -> float | None:
+        doing = self.doing(f"fmi2Get{group}Status")
+        status, value = self._remote.ask("status", doing, group=group, kind=kind)
         return float(value) if status <= 1 else None
 
     def _do(self, letter: bytes, what: str) -> int:
@@ -226,8 +222,7 @@ class _Slave:
     def _checked(self, doing: str, do: str, **more: Any) -> None:
         status = self._remote.ask(do, self._fmu.doing(doing), **more)
         if status > 1:
-            word = STATUS[status] if status < len(STATUS) else status
-            raise RuntimeError(f"returned fmi2{word}")
+            raise RuntimeError(returned(status))
 
     def instantiate(self, callbacks: None, loggingOn: bool) -> None:
         """Call fmi2Instantiate with callbacks of the other process."""
@@ -263,7 +258,7 @@ class _Slave:
         doing = self._fmu.doing(f"fmi2Get{group}")
         status, values = self._remote.ask("get", doing, group=group, references=references)
         if status > 1:
-            raise RuntimeError(f"fmi2Get{group} returned fmi2{STATUS[status % len(STATUS)]}")
+            raise RuntimeError(f"fmi2Get{group} {returned(status)}")
         return [v.encode() for v in values] if group == "String" else values
 
 

@@ -1,4 +1,4 @@
-"""Why a shared library does not load: what it needs of the machine, what the machine has."""
+"""How a shared library is loaded, and why it is not: what it needs, what the machine has."""
 
 from __future__ import annotations
 
@@ -8,6 +8,11 @@ import shutil
 import struct
 import subprocess
 from pathlib import Path
+from typing import Any
+
+from fmpy import fmi2
+
+from .host import Library
 
 LDD_SECONDS = 10.0
 GLIBC = re.compile(rb"\0GLIBC_(\d+(?:\.\d+)+)(?=\0)")
@@ -16,6 +21,19 @@ ELF_HEADER = 64  # bytes
 # What ldd prints ("libx.so.1 => not found") and what dlopen says ("libx.so.1: cannot open …").
 MISSING = (re.compile(r"^\s*(\S+) => not found", re.MULTILINE),
            re.compile(r"(\S+): cannot open shared object file"))  # fmt: skip
+
+
+class FMU2Part(fmi2.FMU2Slave):  # type: ignore[misc]
+    """As FMU2Slave, which insists on all functions: here one that is missing matters when called.
+
+    fmpy tells the version of FMI by the first letters of the class.
+    """
+
+    dll: Any
+
+    def _loadFunctions(self) -> None:
+        self.dll = Library(self.dll)
+        super()._loadFunctions()
 
 
 def _version(text: str) -> tuple[int, ...]:

@@ -76,6 +76,7 @@ class Run:
         self.times = np.zeros(0)
         self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
+        self.ends: dict[str, FmuRuntimeError] = {}  # by FMUs that ask to end it
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
         """Run from t = 0 to stop; frees every FMU whatever happens."""
@@ -91,7 +92,9 @@ class Run:
 
     def _load(self, name: str, path: Path) -> Fmu:
         try:
-            return load(name, path, self.limits)
+            fmu = load(name, path, self.limits)
+            fmu.ends = self.ends
+            return fmu
         except ConfigError as error:
             if path.name != Path(self.system.components[name].fmu).name:
                 raise  # of the command line, not of the file
@@ -186,6 +189,8 @@ class Run:
         for k in range(last):
             if self.abort is not None:
                 raise self._stopped(self.abort, times[k])
+            if self.ends:
+                raise next(iter(self.ends.values()))
             t = times[k]
             h = times[k + 1] - t
             if self._interpolation is not None:
@@ -306,5 +311,7 @@ class Run:
 def _in_parts(fmu: Fmu | Mapped, t: float, h: float, parts: int) -> None:
     """Step one component in equal parts with the same inputs, or along their slopes."""
     for k in range(parts):
+        if fmu.name in fmu.ends:
+            raise fmu.ends[fmu.name]
         fmu.step(t + k * h / parts, h / parts)
         fmu.advance_inputs(h / parts)

@@ -32,9 +32,9 @@ from ..errors import (
     InterruptedRunError,
     RunTimeoutError,
 )
-from ..fmu.fmu import STATUS
 from ..fmu.isolated import Isolated
 from ..fmu.slopes import continuous, followed
+from ..fmu.told import word
 from ..fmu.values import start_value
 from ..supplier.links import Link
 from ..supplier.mapped import Mapped, their_value
@@ -203,8 +203,7 @@ def _link(link: Link, moves: bool) -> dict[str, Any]:
 
 def _message(component: str, time: float, status: int, category: str, text: str) -> dict[str, Any]:
     """Return a message as `Fmu.log` has it."""
-    word = STATUS[status] if 0 <= status < len(STATUS) else str(status)
-    return {"component": component, "time": time, "status": word, "category": category,
+    return {"component": component, "time": time, "status": word(status), "category": category,
             "message": text}  # fmt: skip
 
 

@@ -31,8 +31,9 @@ run examples/closed_loop/calibration_case1.toml --calibration earlier/calibratio
 run examples/closed_loop/paper_case1.toml --plant Antrieb.fmu --map antrieb.toml"""
 
 CODES = """0 pass or not judged, 1 a limit is missed or --check-step finds a larger change,
-2 usage or configuration, 3 FMU invalid, 4 FMU failed at run time, 5 timeout,
-6 no binary for this platform, 130 interrupted (what was made until then is kept)"""
+2 usage or configuration, 3 FMU invalid, 4 FMU failed at run time or asked to end the simulation
+before stop, 5 timeout, 6 no binary for this platform, 130 interrupted (4, 5 and 130: what was made
+until then is kept, limits are not judged)"""
 
 
 def add(verbs: Verbs) -> None:
