@@ -12,6 +12,9 @@ use std::path::Path;
 const OBSERVER: &str = "observer";
 const CONTROL: &str = "control";
 
+/// What the folder of a run calls what its observer has learnt.
+const LEARNT: &str = "calibration.ssv";
+
 /// Values above those of the system file and of a mapping: of two for one variable the later kind counts.
 #[derive(Default)]
 pub struct Given {
@@ -36,10 +39,11 @@ impl Given {
         Ok(())
     }
 
-    /// Takes what an observer had learnt at the end of an earlier run (.ssv); of that the control takes what it has.
+    /// Takes what an observer had learnt at the end of an earlier run, an .ssv or the folder of that run; of that the control takes what it has.
     pub fn learnt(&mut self, file: &Path, system: (&Path, &[&str])) -> Result<(), Error> {
         refuse_unknown("--calibration", OBSERVER, system)?;
-        self.learnt = ssv::read(file)?;
+        let whole = file.join(LEARNT);
+        self.learnt = ssv::read(if file.is_dir() { &whole } else { file })?;
         Ok(())
     }
 

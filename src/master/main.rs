@@ -9,7 +9,8 @@ use cosim_master::{
     csv, run_seen,
 };
 use ending::Ending;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
+use std::io::{self, Write as _};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -87,7 +88,7 @@ struct RunWords {
     /// Values of a component from a parameter file (.ssv); may be said again.
     #[arg(long, num_args = 2, value_names = ["COMPONENT", "FILE"])]
     parameters: Vec<PathBuf>,
-    /// calibration.ssv of an earlier run: observer and control start with what it had learnt.
+    /// calibration.ssv of an earlier run, or its folder: observer and control start with what it had learnt.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// A parameter or start value in SI units, COMPONENT.VARIABLE=VALUE; may be said again.
@@ -121,7 +122,8 @@ fn main() -> ExitCode {
     };
     match run(words, &ending) {
         Ok(told) => {
-            println!("{told}");
+            // Whoever reads may have had enough; the results are written.
+            let _ = writeln!(io::stdout(), "{told}");
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -136,8 +138,13 @@ fn main() -> ExitCode {
 }
 
 fn failed(code: u8, told: &str) -> ExitCode {
-    eprintln!("cosim: {told}");
+    remark(format_args!("cosim: {told}"));
     ExitCode::from(code)
+}
+
+/// Says a line beside the results; where nobody can read it any more, the exit code has to do.
+fn remark(line: fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Exit code of an error, and what to tell.
@@ -210,10 +217,13 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     }
     give(&mut system, &words)?;
     let times = system.times()?;
+    make_room(&words.out)?;
     let (scenario, free) = system.scenario()?;
     if !free.is_empty() {
         let free = free.join(", ");
-        eprintln!("the scenario has no column for {free}: start values");
+        remark(format_args!(
+            "the scenario has no column for {free}: start values"
+        ));
     }
     let (mut plan, held) = system.plan(&words.fmu_dir, &scenario, &mut libraries)?;
     plan.log = words.fmu_log;
@@ -282,8 +292,23 @@ fn tell(log: &Told) {
             ..
         } = message;
         let time = Seconds(*time);
-        eprintln!("{time} s {name} [{category}] {text}");
+        remark(format_args!("{time} s {name} [{category}] {text}"));
     }
+}
+
+/// Makes the folder of the results, before a run rather than after.
+fn make_room(out: &Path) -> Result<(), Error> {
+    if out.is_dir() {
+        let out = out.display();
+        return Err(Error::Usage(format!(
+            "--out {out}: is a folder; name a file, {out}/results.csv"
+        )));
+    }
+    let folder = out.parent().unwrap_or(Path::new(""));
+    std::fs::create_dir_all(folder).map_err(|error| Error::File {
+        path: folder.to_owned(),
+        error,
+    })
 }
 
 /// Writes the rows whole: to a temporary name beside it, then renamed.

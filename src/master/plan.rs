@@ -3,6 +3,7 @@
 //! `system` makes a plan from a system file; the Python harness sends one of its own.
 
 use serde::Deserialize;
+use std::fmt;
 use std::path::PathBuf;
 
 /// A loop, ready to be loaded.
@@ -175,6 +176,16 @@ pub enum Value {
     Number(f64),
     /// An item of an enumeration.
     Text(String),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Boolean(value) => write!(f, "{value}"),
+            Self::Number(value) => write!(f, "{value}"),
+            Self::Text(text) => write!(f, "'{text}'"),
+        }
+    }
 }
 
 /// Communication points k * step [s]; the last step is shorter when `stop` is no multiple.

@@ -2,6 +2,7 @@
 
 use crate::description::{Family, Variable};
 use crate::plan::Value;
+use crate::suggest::did_you_mean;
 
 /// A start value as the number that travels; the error says what is wrong with it.
 pub fn number(variable: &Variable, value: &Value) -> Result<f64, String> {
@@ -17,9 +18,20 @@ pub fn number(variable: &Variable, value: &Value) -> Result<f64, String> {
                 .map(|(name, _)| name.as_str())
                 .collect();
             let number = known.map(|(_, number)| f64::from(*number));
-            number.ok_or_else(|| format!("has no item '{item}' ({})", names.join(", ")))
+            number.ok_or_else(|| {
+                let hint = did_you_mean(item, names.iter().copied());
+                format!("has no item '{item}' ({}){hint}", names.join(", "))
+            })
         }
-        (family, value) => Err(format!("is {family:?}, got {value:?}")),
+        (family, value) => Err(format!("is {family:?}{}, got {value}", unit(variable))),
+    }
+}
+
+/// The unit of a variable as a sentence has it.
+fn unit(variable: &Variable) -> String {
+    match variable.unit_name.as_str() {
+        "" => String::new(),
+        name => format!(" [{name}]"),
     }
 }
 

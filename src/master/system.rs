@@ -12,7 +12,7 @@ use crate::scenario::Scenario;
 use crate::ssp::{self, Package};
 use crate::supplier::{Supplier, put};
 use crate::system_file::{File, Parameters, Part, Set};
-use crate::{ssv, wiring};
+use crate::{ssv, system_file, wiring};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -83,10 +83,7 @@ impl System {
 
     /// Reads a system file.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|error| Error::File {
-            path: path.to_owned(),
-            error,
-        })?;
+        let text = system_file::text(path)?;
         let file: File = toml::from_str(&text).map_err(|error| Error::Content {
             path: path.to_owned(),
             line: error.span().map_or(0, |span| line(&text, span.start)),

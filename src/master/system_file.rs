@@ -1,12 +1,33 @@
 //! A system file (.toml) of `dct-harness` as it is written.
 
+use crate::error::Error;
 use crate::names::Name;
 use crate::plan::{Connection, Coupling, Value};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Reads a system file; of a file that cannot be one the error says what it should be.
+pub fn text(path: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let what = match error.kind() {
+            ErrorKind::IsADirectory => "is a folder: name the system file itself, a .toml or .ssp",
+            ErrorKind::InvalidData => "is no text in UTF-8: a system file is a .toml or .ssp",
+            _ => {
+                let path = path.to_owned();
+                return Error::File { path, error };
+            }
+        };
+        Error::Content {
+            path: path.to_owned(),
+            line: 0,
+            what: what.into(),
+        }
+    })
+}
 
 /// A system file as it is written. Limits on KPIs are judged by `dct-harness`.
 #[derive(Debug, Deserialize)]

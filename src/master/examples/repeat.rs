@@ -2,6 +2,8 @@
 //!
 //! `repeat PLAN TIMES SCRIPT RUNS THREADS`: PLAN is JSON; TIMES and SCRIPT hold f64, row by row.
 
+#![allow(clippy::print_stderr)] // whoever measures reads it
+
 use cosim_master::{Job, Libraries, Plan, Watch, run_all};
 use std::env::args;
 use std::error::Error;

@@ -109,7 +109,7 @@ def _preset(model: system.System, component: str, file: Path) -> None:
         hint = did_you_mean(component, model.components)
         known = ", ".join(model.components)
         what = f"{model.path} has no component '{component}' ({known}).{hint}"
-        raise ConfigError(f"--parameters {component} {file}: {what}")
+        raise ConfigError(f"--parameters: {what}")
     found = parameters.read(file)
     model.components[component].parameters.update(found)
     model.overridden.update((component, name) for name in found)
