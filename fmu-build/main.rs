@@ -52,7 +52,7 @@ Examples:
   cargo fmu check --strict --glibc 2.17 Supplier.fmu
   cargo fmu check --json target/fmu/*.fmu
 
-Exit codes: 0 all are valid, 1 no check could be made, 2 usage, 3 an FMU is invalid.";
+Exit codes: 0 all are valid, 1 an FMU could not be checked, 2 usage, 3 an FMU is invalid.";
 
 const BUILD: &str = "\
 A target is one of rustc's, e.g. x86_64-pc-windows-gnullvm. One for Linux may have the oldest glibc behind it,
@@ -160,7 +160,7 @@ enum Command {
         #[arg(required = true, value_name = "FMU")]
         fmus: Vec<PathBuf>,
         /// Oldest glibc that their Linux libraries shall run with, e.g. 2.17.
-        #[arg(long, value_name = "VERSION")]
+        #[arg(long, value_name = "VERSION", value_parser = glibc)]
         glibc: Option<Version>,
         /// Take warnings for errors, too: for FMUs that are handed over to others.
         #[arg(long)]
@@ -182,8 +182,14 @@ enum Command {
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse::<f64>().map_err(|error| error.to_string())?;
-    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
+    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0);
+    let known = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    known.ok_or_else(|| "must be a number of seconds above 0".into())
+}
+
+fn glibc(text: &str) -> Result<Version, String> {
+    text.parse()
+        .map_err(|_| "must be a version like 2.17".into())
 }
 
 /// Exit code when a checked FMU is invalid, the same as that of `dct-harness`.
@@ -330,20 +336,27 @@ fn check(
     json: bool,
 ) -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut stdout = io::stdout().lock();
-    let mut all_valid = true;
+    let (mut all_valid, mut all_checked) = (true, true);
     for fmu in fmus {
-        let report = fmu_build::check_with(fmu, options)?;
-        if json {
-            writeln!(stdout, "{}", report.to_json(fmu))?;
-        } else {
-            print_report(&mut stdout, fmu, &report)?;
+        match fmu_build::check_with(fmu, options) {
+            Ok(report) => {
+                if json {
+                    writeln!(stdout, "{}", report.to_json(fmu))?;
+                } else {
+                    print_report(&mut stdout, fmu, &report)?;
+                }
+                all_valid &= report.is_valid();
+            }
+            Err(error) => {
+                writeln!(io::stderr(), "error: {error}")?;
+                all_checked = false;
+            }
         }
-        all_valid &= report.is_valid();
     }
-    Ok(if all_valid {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(INVALID)
+    Ok(match (all_checked, all_valid) {
+        (true, true) => ExitCode::SUCCESS,
+        (true, false) => ExitCode::from(INVALID),
+        (false, _) => ExitCode::FAILURE,
     })
 }
 

@@ -36,7 +36,11 @@ impl Stimuli {
             .map(|name| name.trim().trim_matches('"').to_owned())
             .collect();
         if names[0] != "time" {
-            return Err((1, "the first column must be called time".into()));
+            let told = format!("the first column must be called time, not '{}'", names[0]);
+            return Err((1, told));
+        }
+        if let Some(twice) = (1..names.len()).find(|at| names[..*at].contains(&names[*at])) {
+            return Err((1, format!("column '{}' is there twice", names[twice])));
         }
         let mut rows: Vec<Vec<f64>> = Vec::new();
         for (line, text) in (2..).zip(lines).filter(|(_, text)| !text.trim().is_empty()) {
@@ -141,7 +145,10 @@ mod tests {
     #[test]
     fn faults_are_named_with_their_line() {
         for (text, line, what) in [
-            ("t,a\n0,1\n", 1, "called time"),
+            ("t,a\n0,1\n", 1, "must be called time, not 't'"),
+            ("time;a\n0;1\n", 1, "must be called time, not 'time;a'"),
+            ("time,a,b,a\n0,1,2,3\n", 1, "column 'a' is there twice"),
+            ("time,time\n0,1\n", 1, "column 'time' is there twice"),
             ("time,a\n", 2, "no row"),
             ("time,a\n0,x\n", 2, "\"x\" is no finite number"),
             ("time,a\n0,1\n1\n", 3, "1 numbers, the heading has 2 names"),
