@@ -36,6 +36,9 @@ pub const SHARED: usize = 7;
 pub const START: [f64; SHARED] = [0.5, 0.5, 0.5, 100.0, 20.0, 20.0, 200.0];
 /// Deviation of the zero that an open clutch measures [N·m].
 pub const OPEN: f64 = 0.1;
+/// Deviation of T_s after a change of gear [N·m]: a synchroniser winds the transfer shaft of the other gear by g T_s/K, which no
+/// shaft's speed shows, k_o g T_s/K = 5 N·m in second gear of Table 1.
+const GIVES: f64 = 5.0;
 /// Time constant of the low pass of the normalised innovation [s].
 const MEMORY: f64 = 0.5;
 /// Smallest lever that tells a friction [N·m].
@@ -129,17 +132,16 @@ impl<const N: usize> Tracker<N> {
         x.fixed_rows_mut::<3>(0).copy_from_slice(&speeds);
     }
 
-    /// Where a gear goes out or comes in: ω_o from the shafts that turn with the output now. What is known of T_s ends, as
-    /// the inertia that has wound it is known no better than J_ct; clutches and load have not moved.
+    /// Where a gear goes out or comes in: ω_o from the shafts that turn with the output now. T_s goes on, as clutches and
+    /// load do, but for what the transfer shafts give.
     fn take_gear(&mut self, p: &Params, sample: &Sample) {
         self.g = p.g(sample.gear);
-        self.belief.x[W_O] = output_speed(self.g, sample);
-        for j in [W_O, T_S] {
-            let p = &mut self.belief.p;
-            p.row_mut(j).fill(0.0);
-            p.column_mut(j).fill(0.0);
-            p[(j, j)] = START[j] * START[j];
-        }
+        let Belief { x, p } = &mut self.belief;
+        x[W_O] = output_speed(self.g, sample);
+        p.row_mut(W_O).fill(0.0);
+        p.column_mut(W_O).fill(0.0);
+        p[(W_O, W_O)] = START[W_O] * START[W_O];
+        p[(T_S, T_S)] += GIVES * GIVES;
     }
 
     /// Corrects by every speed and by clutches that are open, `h` [s] after the last ones. Deviations [rad/s], shape (2):

@@ -187,15 +187,16 @@ fn a_noisy_speed_leaves_what_a_hot_lining_carries_known() {
 }
 
 /// A gear that is synchronised turns the drive shaft against what no clutch explains: the drive shaft's torque
-/// missed by 10 to 70 % before its torque was taken from the speed of its shaft.
+/// missed by 10 to 70 % before its torque was taken from the speed of its shaft. The two last ones forgot T_s with every gear,
+/// which cost 0.9 and 1.2 % at 100 Hz.
 #[test]
 fn torques_are_followed_through_gear_changes() {
     let limits = [
         (Method::Paper, [3.3, 7.3, 2.4], [3.3, 13.5, 3.9]),
         (Method::Lyapunov, [3.4, 8.0, 2.8], [3.0, 10.8, 3.4]),
         (Method::Energy, [2.3, 3.0, 1.5], [3.5, 3.0, 2.6]),
-        (Method::Kalman, [2.0, 2.0, 1.1], [2.8, 3.2, 1.4]),
-        (Method::Calibrating, [1.4, 1.7, 1.4], [2.8, 4.0, 2.3]),
+        (Method::Kalman, [2.0, 2.0, 0.9], [2.8, 3.2, 0.7]),
+        (Method::Calibrating, [1.4, 1.7, 0.95], [2.8, 4.0, 1.2]),
     ];
     for scenario in [scenarios::double_upshift(), scenarios::kick_down()] {
         for h in [1e-3, 1e-2] {
