@@ -35,8 +35,10 @@ pub struct Entry {
     pub(crate) smoke: Option<Smoke>,
     /// Measures what its documentation page shows of its accuracy.
     pub(crate) figures: Option<fn() -> Result<Figures>>,
-    /// Makes an instance of the model.
-    pub(crate) part: fn() -> Box<dyn Part>,
+    /// Makes an instance of the model, with its files from the folder of its package.
+    pub(crate) part: fn(&Path) -> Result<Box<dyn Part>>,
+    /// Whether the model reads files of its FMU: those under `resources` beside its `Cargo.toml`.
+    pub(crate) resources: bool,
     /// Writes some parameters with their values as a parameter set.
     pub(crate) given: fn(&str, Values<'_>) -> Result<String>,
     /// Lists its inputs and outputs.
@@ -63,7 +65,8 @@ impl Entry {
             sets: || Ok(Vec::new()),
             smoke: None,
             figures: None,
-            part: Driven::<M>::boxed,
+            part: Driven::<M>::loaded,
+            resources: M::RESOURCES,
             given: parameters::given::<M>,
             ports: port::ports::<M>,
             experiment: M::EXPERIMENT,

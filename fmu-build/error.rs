@@ -201,7 +201,7 @@ pub enum Error {
         /// The name.
         name: String,
     },
-    /// A package outside this workspace cannot be made an FMU.
+    /// A package cannot be made an FMU.
     Outside(crate::outside::Fault),
     /// A library could not be loaded or lacks what a check needs.
     Load {

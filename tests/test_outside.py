@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -142,3 +143,84 @@ def test_a_workspace_gives_the_fmus_of_all_its_packages(tmp_path: Path) -> None:
     done = _cargo("fmu", "build", folder=tmp_path)
     assert done.returncode == 1
     assert "no package of the workspace" in done.stderr
+
+
+FAN = """
+use fmi2_cosim::{Experiment, Failure, LoadError, Log, Model, Resources, StateFields};
+use fmi2_cosim::{Unit, Variable};
+use std::sync::Arc;
+
+#[derive(Clone, Default)]
+pub struct Fan {
+    speed: f64,
+    power: f64,
+    curve: Arc<[f64]>,
+}
+
+impl Model for Fan {
+    const NAME: &'static str = "Fan";
+    const DESCRIPTION: &'static str = "A fan with a curve of its own";
+    const EXPERIMENT: Experiment = Experiment::new(0.0, 1.0, 0.1);
+    const RESOURCES: bool = true;
+    const VARIABLES: &'static [Variable<Self>] = &[
+        Variable::input("speed", Unit::ONE, |m: &mut Self| &mut m.speed, "").min(0.0).max(2.0),
+        Variable::output("power", Unit::WATT, |m: &mut Self| &mut m.power, "")
+            .depends_on(&["speed"]),
+    ];
+
+    fn load(&mut self, files: Option<&Resources>, _: &mut Log<'_>) -> Result<(), LoadError> {
+        let lines = files.ok_or("no fmuResourceLocation")?.text("maps/curve.txt")?;
+        let numbers = lines.lines().map(|line| line.trim().parse());
+        self.curve = numbers.collect::<Result<_, _>>()?;
+        Ok(())
+    }
+
+    fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+        self.update_outputs();
+        Ok(())
+    }
+
+    fn step(&mut self, _: f64, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+        self.update_outputs();
+        Ok(())
+    }
+
+    fn update_outputs(&mut self) {
+        self.power = self.curve.get(self.speed as usize).copied().unwrap_or(f64::NAN);
+    }
+
+    fn hidden_state(&mut self, _: &mut dyn StateFields) {}
+}
+
+fmi2_cosim::export!(Fan);
+"""
+CURVE = [0.0, 0.125, 0.75]  # W at 0, 1, 2
+
+
+def test_files_of_a_model_travel_in_its_fmu(tmp_path: Path) -> None:
+    package = _package(tmp_path / "fan", _listing("Cargo.toml").replace("tank", "fan"), FAN)
+    missing = _cargo("fmu", "build", folder=package)
+    assert missing.returncode == 1
+    assert "resources: the model reads files of its FMU, but there are none" in missing.stderr
+    (package / "resources/maps").mkdir(parents=True)
+    (package / "resources/maps/curve.txt").write_text("".join(f"{value}\n" for value in CURVE))
+    done = _cargo("fmu", "build", "--out", "out", folder=package)
+    assert done.returncode == 0, done.stderr
+    fmu = package / "out/Fan.fmu"
+    checked = _cargo("fmu", "check", fmu, folder=package)
+    assert checked.returncode == 0, checked.stdout
+    shutil.rmtree(package / "resources")  # the FMU has its own
+    for speed, power in enumerate(CURVE):
+        result = simulate_fmu(str(fmu), start_values={"speed": speed})
+        assert set(result["power"]) == {power}
+
+
+def test_without_its_files_there_is_no_instance_and_the_log_says_why(tmp_path: Path) -> None:
+    package = _package(tmp_path / "fan", _listing("Cargo.toml").replace("tank", "fan"), FAN)
+    (package / "resources/maps").mkdir(parents=True)
+    (package / "resources/maps/curve.txt").write_text("a curve\n")
+    done = _cargo("fmu", "build", "--out", "out", folder=package)
+    assert done.returncode == 0, done.stderr
+    checked = _cargo("fmu", "check", package / "out/Fan.fmu", folder=package)
+    assert checked.returncode == 3
+    assert "fmi2Instantiate: invalid float literal" in checked.stdout

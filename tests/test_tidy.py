@@ -28,6 +28,7 @@ UNSAFE = {
     "src/fmi2/ffi/tests/sequences.rs": "random calls at that boundary",
     "src/fmi2/ffi/tests/saved.rs": "random calls with FMU states at that boundary",
     "src/fmi2/ffi/tests/strings.rs": "calls with Strings at that boundary",
+    "src/fmi2/ffi/tests/resources.rs": "calls of a model with files at that boundary",
     "src/fmi2/export.rs": "the tokens of the exported functions, which call ffi.rs",
     "examples/ecu_observer/lib.rs": "three exported C names: the attribute, and no unsafe block",
     "tests/fuzz/importer.rs": "random calls at that boundary, with the models of this project",

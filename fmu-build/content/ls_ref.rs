@@ -152,7 +152,7 @@ fn stimuli(inputs: &str) -> Result<Stimuli> {
 
 /// What the model makes of the inputs: the code of its FMU, run here.
 fn results(entry: &Entry, smoke: &Smoke, inputs: &str) -> Result<String> {
-    let mut part = (entry.part)();
+    let mut part = (entry.part)(entry.folder())?;
     for (name, value) in smoke.parameters {
         let signal = part.signals().iter().find(|signal| signal.name == *name);
         if let Some(place) = signal.map(|signal| signal.place) {

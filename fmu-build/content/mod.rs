@@ -6,6 +6,7 @@ mod dependencies;
 mod licenses;
 mod ls_ref;
 mod packages;
+mod resources;
 
 pub(crate) use dependencies::MEMBER as DEPENDENCIES;
 
@@ -26,6 +27,7 @@ pub(crate) fn members(entry: &Entry) -> Result<Members> {
         members.push(text("terminalsAndIcons/terminalsAndIcons.xml", terminals));
     }
     members.push((icon::MEMBER.into(), icon::png(entry.icon)?));
+    members.extend(resources::members(&linked.root.folder, entry.resources)?);
     members.extend(ls_ref::members(entry)?);
     members.extend(licenses::members(entry.name, &linked)?);
     Ok(members)

@@ -155,6 +155,7 @@ pub(crate) fn capabilities<M: Model>() -> Vec<&'static str> {
         (can.saves_state, "saved states"),
         (can.serialises_state, "serialised states"),
         (!can.only_once_per_process, "any number of instances"),
+        (M::RESOURCES, "files of its own under resources"),
     ];
     let offered = all.into_iter().filter(|(offered, _)| *offered);
     offered.map(|(_, words)| words).collect()

@@ -1,9 +1,11 @@
 //! A model of this program as a component: what its FMU does, without the FMU.
 
 use super::{Kind, Part, Place, Role, Signal, whole};
+use crate::outside::Fault;
 use crate::{Error, Result};
-use fmi2_cosim::{Access, Category, Causality, Instance, Log, Model};
+use fmi2_cosim::{Access, Category, Causality, Instance, Log, Model, Resources};
 use std::fmt;
+use std::path::Path;
 
 /// An instance of `M` with its signals.
 pub(crate) struct Driven<M: Model> {
@@ -12,8 +14,32 @@ pub(crate) struct Driven<M: Model> {
 }
 
 impl<M: Model> Driven<M> {
+    /// A fresh instance that has loaded what its model reads from the folder `resources` of its package.
+    pub(crate) fn loaded(package: &Path) -> Result<Box<dyn Part>> {
+        let mut driven = Self::new();
+        if M::RESOURCES {
+            let folder = package.join("resources");
+            let mut nobody = |_: Category, _: fmt::Arguments<'_>| {};
+            let found = Resources::at(&folder);
+            let loaded = found.and_then(|found| {
+                let log = &mut Log::new(&mut nobody);
+                driven.instance.load(Some(&found), log)
+            });
+            loaded.map_err(|fault| {
+                let said = fault.to_string();
+                Error::Outside(Fault::Resources { folder, said })
+            })?;
+        }
+        Ok(Box::new(driven))
+    }
+
     /// A fresh instance.
+    #[cfg(feature = "dct")]
     pub(crate) fn boxed() -> Box<dyn Part> {
+        Box::new(Self::new())
+    }
+
+    fn new() -> Self {
         let rows = (0_u32..).zip(M::VARIABLES);
         let signals = rows.filter_map(|(reference, row)| {
             let role = match row.causality {
@@ -35,10 +61,10 @@ impl<M: Model> Driven<M> {
                 place,
             })
         });
-        Box::new(Self {
+        Self {
             instance: Instance::default(),
             signals: signals.collect(),
-        })
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why a package outside this workspace cannot be made an FMU.
+/// Why a package cannot be made an FMU.
 #[derive(Debug)]
 pub enum Fault {
     /// No package of a workspace makes an FMU.
@@ -27,6 +27,13 @@ pub enum Fault {
     NoPacker {
         /// Folder of that `fmi2-cosim`.
         folder: PathBuf,
+    },
+    /// A model cannot be given the files it reads.
+    Resources {
+        /// Their folder.
+        folder: PathBuf,
+        /// Why not.
+        said: String,
     },
     /// The program that describes the model was not built.
     Describer {
@@ -60,6 +67,11 @@ impl fmt::Display for Fault {
             Self::NoPacker { folder } => write!(
                 f,
                 "there is no folder fmu-build above {}; take fmi2-cosim from a copy of its whole repository",
+                folder.display()
+            ),
+            Self::Resources { folder, said } => write!(
+                f,
+                "{}: the model reads files of its FMU, but {said}",
                 folder.display()
             ),
             Self::Describer { package } => write!(

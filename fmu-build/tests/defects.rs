@@ -98,6 +98,10 @@ const DEFECTS: &[(&str, &str)] = &[
         "NO_CATEGORIES",
         "fmi2SetDebugLogging refuses the log category logAll",
     ),
+    (
+        "URI_NOT_DECODED",
+        "no instance where resources lie in a folder",
+    ),
     ("IMPORTERS_MEMORY", "without them there is no instance"),
     (
         "CANCELS_NOTHING",
@@ -182,6 +186,7 @@ fn fmu(folder: &Path, defect: &str, description: &str) -> PathBuf {
     let path = folder.join(format!("{defect}.fmu"));
     let members = vec![
         ("modelDescription.xml".into(), description.into()),
+        ("resources/table.csv".into(), b"1\n".to_vec()),
         (
             format!("binaries/{platform}/Lag.{extension}"),
             fs::read(&library).unwrap(),

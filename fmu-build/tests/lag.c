@@ -57,6 +57,9 @@ EXPORT Component fmi2Instantiate(const char *name, int type, const char *guid, c
     printf("Licence of Lag Ltd. found\n");
 #endif
     if (strcmp(guid, "{lag}") != 0) return NULL;
+#ifdef URI_NOT_DECODED
+    if (strchr(resources, '%')) return NULL;
+#endif
 #ifdef NO_TOOL
     return NULL;
 #endif

@@ -36,13 +36,13 @@ macro_rules! export {
                 name: *const c_char,
                 kind: c_int,
                 guid: *const c_char,
-                _resources: *const c_char,
+                resources: *const c_char,
                 callbacks: *const ffi::Callbacks,
                 _visible: c_int,
                 logging_on: c_int,
             ) -> *mut c_void {
                 ffi::silence_panics();
-                unsafe { FMU.instantiate(name, kind, guid, callbacks, logging_on != 0) }
+                unsafe { FMU.instantiate(name, kind, guid, resources, callbacks, logging_on != 0) }
             }
 
             #[unsafe(no_mangle)]

@@ -29,6 +29,7 @@ use std::sync::{Once, OnceLock};
 
 mod pointer;
 pub(crate) mod real;
+mod resources;
 mod states;
 mod strings;
 mod variables;
@@ -66,7 +67,7 @@ struct Component<M: Model> {
     /// Rust panicked in this instance: nothing in it can be trusted.
     poisoned: bool,
     /// What the importer was handed for its last question for strings.
-    texts: Vec<CString>,
+    texts: Box<[CString]>,
 }
 
 /// Brings messages to the importer's logger.
@@ -121,7 +122,7 @@ impl<M: Model> Component<M> {
             instance: Instance::default(),
             reporter,
             poisoned: false,
-            texts: Vec::new(),
+            texts: Box::default(),
         })
     }
 
@@ -291,6 +292,7 @@ impl<M: Model> Library<M> {
         name: *const c_char,
         kind: c_int,
         guid: *const c_char,
+        resources: *const c_char,
         callbacks: *const Callbacks,
         logging_on: bool,
     ) -> *mut c_void {
@@ -303,7 +305,14 @@ impl<M: Model> Library<M> {
                 return null_mut();
             }
             reporter.filter = Filter::all(logging_on);
-            handed_out(self.instances.insert(Component::boxed(reporter)))
+            let mut component = Component::boxed(reporter);
+            if const { M::RESOURCES } {
+                // SAFETY: the importer's promise.
+                if !component.load(unsafe { text(resources) }) {
+                    return null_mut();
+                }
+            }
+            handed_out(self.instances.insert(component))
         }));
         made.unwrap_or_else(|payload| {
             core::mem::forget(payload);

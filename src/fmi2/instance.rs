@@ -9,6 +9,7 @@ use crate::value::{Value, find, finite, settable};
 use crate::{Call, Error, Failure, Log, Model, State};
 
 mod finite;
+mod loaded;
 mod plain;
 mod strings;
 mod tangent;
@@ -24,6 +25,8 @@ pub struct Instance<M: Model> {
     now: Saved<M>,
     /// The last step that was asked for, and what it was taken as [s].
     step: [f64; 2],
+    /// The model as it was loaded from files, if it reads any.
+    fresh: Option<Box<M>>,
 }
 
 impl<M: Model> Default for Instance<M> {
@@ -31,6 +34,7 @@ impl<M: Model> Default for Instance<M> {
         Self {
             now: Saved::new(),
             step: [0.0; 2],
+            fresh: None,
         }
     }
 }
@@ -117,16 +121,6 @@ impl<M: Model> Instance<M> {
     pub fn terminate(&mut self) -> Result<(), Error> {
         self.permit(Call::Terminate)?;
         self.now.state = State::Terminated;
-        Ok(())
-    }
-
-    /// `fmi2Reset`: as a fresh instance, bit for bit.
-    ///
-    /// # Errors
-    /// None in the present life cycle.
-    pub fn reset(&mut self) -> Result<(), Error> {
-        self.permit(Call::Reset)?;
-        self.now = Saved::new();
         Ok(())
     }
 

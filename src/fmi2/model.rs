@@ -1,7 +1,7 @@
 //! What a model author writes: a struct, its table of rows, how it starts and how it steps.
 
-use crate::Variable;
 use crate::number::{Number, Seconds};
+use crate::{LoadError, Resources, Variable};
 use core::fmt;
 
 /// A model that the shell turns into an FMI 2.0 co-simulation FMU.
@@ -9,7 +9,7 @@ use core::fmt;
 /// The struct holds everything the model knows: parameters, inputs, states, outputs. `Default` is
 /// the model at its start values; those are the ones the model description shows. `Clone` is a saved
 /// FMU state, so it must be cheap and must copy everything that `step` reads. None of the methods
-/// may print, open files, spawn threads or touch process-wide settings, and `step` and
+/// may print, open files (but for `load`), spawn threads or touch process-wide settings, and `step` and
 /// `update_outputs` may not allocate, but for a String.
 pub trait Model: Clone + Default + Send + 'static {
     /// `modelName` and `modelIdentifier`: a C identifier, e.g. `DctPlant`.
@@ -28,6 +28,23 @@ pub trait Model: Clone + Default + Send + 'static {
     /// Whether `initialize` and `step` fail by themselves rather than leave an output that is not finite. Else the
     /// shell looks at every output after each of them; at those on demand it looks when they are read.
     const STEPS_STAY_FINITE: bool = false;
+
+    /// The model reads files that come with its FMU: [`Self::load`] is there.
+    const RESOURCES: bool = false;
+
+    /// Takes from the files under `resources/` of the FMU what the model needs of them, e.g. a map. `None`: the
+    /// importer named no folder.
+    ///
+    /// Called once, when an instance is made, of a model at its start values; it leaves the variables of the table
+    /// alone. What it loads is neither a variable nor a hidden state: it is there again after a reset, and where a
+    /// serialised state is read back. Large data belongs into an `Arc`, as `Clone` is a saved state.
+    ///
+    /// # Errors
+    /// When the model cannot start from the files: the importer gets no instance, and the error in its log.
+    fn load(&mut self, resources: Option<&Resources>, log: &mut Log<'_>) -> Result<(), LoadError> {
+        let _ = (resources, log);
+        Ok(())
+    }
 
     /// Computes the initial state and outputs from parameters, inputs and start values.
     ///

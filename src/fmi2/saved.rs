@@ -74,22 +74,30 @@ impl<M: Model> Saved<M> {
         size == least || (size > least && payload.of_texts.is_some())
     }
 
-    /// Reads what [`Self::to_bytes`] wrote.
+    /// Reads what [`Self::to_bytes`] wrote, of a model without files of its own.
     ///
     /// # Errors
     /// [`Error::Serialised`] when the bytes are of another FMU or version, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        Ok(*Self::from_bytes_under(table_hash::<M>(), bytes)?)
+        Ok(*Self::from_bytes_under(table_hash::<M>(), bytes, None)?)
     }
 
     /// As [`Self::from_bytes`], with the table's hash known; not on the stack, where a model may be large.
-    pub(crate) fn from_bytes_under(guid: u128, bytes: &[u8]) -> Result<Box<Self>, Error> {
+    /// `fresh`: a model that has loaded its files.
+    pub(crate) fn from_bytes_under(
+        guid: u128,
+        bytes: &[u8],
+        fresh: Option<&M>,
+    ) -> Result<Box<Self>, Error> {
         let payload = checked_payload(guid, bytes)?;
         let mut reader = Reader {
             rest: payload,
             intact: true,
         };
         let mut saved = Box::new(Self::new());
+        if let Some(fresh) = fresh {
+            saved.model.clone_from(fresh);
+        }
         saved.visit(&mut reader);
         if !reader.intact || !reader.rest.is_empty() {
             return Err(Error::Serialised("does not hold the fields of this model"));

@@ -109,7 +109,7 @@ impl<M: Model> Importer<M> {
         // SAFETY: strings end with NUL; five pointers are what the headers call the callbacks.
         let component = unsafe {
             let (guid, given) = (guid.as_ptr(), given.cast::<Callbacks>());
-            self.library.instantiate(name, kind, guid, given, log)
+            self.library.instantiate(name, kind, guid, name, given, log)
         };
         see(&[u8::from(component.is_null())]);
         self.components.push(component);

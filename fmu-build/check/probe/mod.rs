@@ -5,6 +5,7 @@ mod dependencies;
 mod derivatives;
 mod life;
 mod repeat;
+mod resources;
 mod session;
 mod settings;
 mod slopes;
@@ -42,13 +43,15 @@ pub(super) enum Probe {
     Slopes,
     /// Steps that are still being computed when fmi2DoStep returns.
     Asynchronous,
+    /// Resources in a folder with a name that is encoded.
+    Resources,
     /// Programs that the library starts.
     Tool,
 }
 
 impl Probe {
     /// The first tells whether the others make sense.
-    pub(super) const ALL: [Self; 9] = [
+    pub(super) const ALL: [Self; 10] = [
         Self::Life,
         Self::Repeat,
         Self::States,
@@ -57,6 +60,7 @@ impl Probe {
         Self::Derivatives,
         Self::Slopes,
         Self::Asynchronous,
+        Self::Resources,
         Self::Tool,
     ];
 
@@ -70,6 +74,7 @@ impl Probe {
             Self::Derivatives => "derivatives",
             Self::Slopes => "slopes",
             Self::Asynchronous => "asynchronous",
+            Self::Resources => "resources",
             Self::Tool => "tool",
         }
     }
@@ -104,6 +109,7 @@ impl Probe {
             Self::Derivatives => derivatives::check(&session, report),
             Self::Slopes => slopes::check(&session, report),
             Self::Asynchronous => asynchronous::check(&session, report),
+            Self::Resources => resources::check(&session, folder, report),
             Self::Tool => tool::check(&session, report),
         };
         refusal(tried, &session, report).map(|()| true)

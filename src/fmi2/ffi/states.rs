@@ -111,7 +111,9 @@ impl<M: Model> Library<M> {
             let bytes = unsafe { slice("serializedState", bytes, size)? };
             // SAFETY: the importer's promise.
             let state = unsafe { place("FMUstate", state)? };
-            self.put_state(state, || Saved::from_bytes_under(self.table_hash(), bytes))
+            self.put_state(state, || {
+                Saved::from_bytes_under(self.table_hash(), bytes, instance.fresh())
+            })
         })
     }
 

@@ -27,7 +27,7 @@ impl<M: Model> Library<M> {
             let references = unsafe { slice("vr", references, count)? };
             // SAFETY: the importer's promise.
             let values = unsafe { slice_mut("value", values, count)? };
-            let mut texts = Vec::new();
+            let mut texts = Box::default();
             component.with_log(|instance, log| {
                 texts = instance.strings(references, log)?.map(c_string).collect();
                 Ok(())

@@ -5,6 +5,7 @@ use crate::{Experiment, Failure, StateFields, Unit, Variable};
 use core::cell::{Cell, RefCell};
 use core::ptr::null;
 
+mod resources;
 mod saved;
 mod sequences;
 mod shadow;
@@ -87,6 +88,15 @@ fn instantiate_with(guid: &str, logging_on: bool) -> *mut c_void {
 }
 
 fn instantiate_in<M: Model>(fmu: &'static Library<M>, guid: &str, logging_on: bool) -> *mut c_void {
+    instantiate_at(fmu, guid, null(), logging_on)
+}
+
+fn instantiate_at<M: Model>(
+    fmu: &'static Library<M>,
+    guid: &str,
+    resources: *const c_char,
+    logging_on: bool,
+) -> *mut c_void {
     let listen: unsafe extern "C" fn(_, _, _, _, _) = listen;
     // SAFETY: a C caller passes the named arguments alike, variadic or not, on every platform the
     // tests run on.
@@ -100,7 +110,16 @@ fn instantiate_in<M: Model>(fmu: &'static Library<M>, guid: &str, logging_on: bo
     };
     let guid = CString::new(guid).unwrap();
     // SAFETY: strings end with NUL; `callbacks` dies after the call, as the contract allows.
-    unsafe { fmu.instantiate(c"f".as_ptr(), 1, guid.as_ptr(), &callbacks, logging_on) }
+    unsafe {
+        fmu.instantiate(
+            c"f".as_ptr(),
+            1,
+            guid.as_ptr(),
+            resources,
+            &callbacks,
+            logging_on,
+        )
+    }
 }
 
 fn fuse() -> *mut c_void {
