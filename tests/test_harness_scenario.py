@@ -9,6 +9,7 @@ import pytest
 from dct_harness import results
 from dct_harness.errors import ConfigError
 from dct_harness.system import scenario
+from harness_fixture.lag_fmu import run, write_system
 
 
 @pytest.mark.parametrize(("text", "said"), [
@@ -54,6 +55,23 @@ def test_reals_are_interpolated_and_integers_held(tmp_path: Path) -> None:
     times = np.array([-1.0, 0.0, 0.5, 1.0, 2.0])
     assert script.sample("u", times, hold=False).tolist() == [1, 1, 2, 3, 3]
     assert script.sample("u", times, hold=True).tolist() == [1, 1, 1, 3, 3]
+
+
+@pytest.mark.parametrize(("rows", "stop", "said"), [
+    ("0,2\n1,2\n", "1.0", []), ("0,2\n", "1.0", []),
+    ("0,2\n0.5,2\n", "1.0", ["ends at t = 0.5 s: its last values hold from then on"]),
+    ("0.25,2\n0.5,2\n", "1.0", ["begins at t = 0.25 s: its first values hold until then",
+                                "ends at t = 0.5 s: its last values hold from then on"]),
+])  # fmt: skip
+def test_a_run_that_leaves_its_scenario_says_so(
+    lag_dir: Path, tmp_path: Path, rows: str, stop: str, said: list[str]
+) -> None:
+    path = write_system(tmp_path, stop, f"time,u\n{rows}")
+    done = run(path, lag_dir)
+    told = [line for line in done.stderr.splitlines() if " %  step" not in line]
+    assert told == [f"scenario s.csv {text}" for text in said]
+    log = results.load(tmp_path / "out").run["log"]
+    assert [m["message"] for m in log if m["category"] == "scenario"] == told
 
 
 def test_results_read_back_bit_for_bit(tmp_path: Path) -> None:

@@ -219,6 +219,9 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     let times = system.times()?;
     make_room(&words.out)?;
     let (scenario, free) = system.scenario()?;
+    for line in scenario.beyond(system.stop) {
+        remark(format_args!("{line}"));
+    }
     if !free.is_empty() {
         let free = free.join(", ");
         remark(format_args!(

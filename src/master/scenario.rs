@@ -1,7 +1,10 @@
 //! Scenario CSV: first column `time` [s], then one column per signal (SI units).
 
-use crate::{Error, csv};
+use crate::{Error, Seconds, csv};
 use std::path::{Path, PathBuf};
+
+/// Times that differ by less [s] are one.
+const INSTANT: f64 = 1e-9;
 
 /// Signals over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +35,25 @@ impl Scenario {
             names: vec![],
             columns: vec![],
         }
+    }
+
+    /// What to say of a run from 0 to `stop` [s] that leaves the rows; one of one row, or without signals, holds.
+    pub fn beyond(&self, stop: f64) -> Vec<String> {
+        let (true, [first, .., last]) = (!self.names.is_empty(), self.time.as_slice()) else {
+            return vec![];
+        };
+        let name = self.path.file_name().unwrap_or_default().display();
+        let early = || {
+            let first = Seconds(*first);
+            format!("scenario {name} begins at t = {first} s: its first values hold until then")
+        };
+        let late = || {
+            let last = Seconds(*last);
+            format!("scenario {name} ends at t = {last} s: its last values hold from then on")
+        };
+        let early = (*first > INSTANT).then(early);
+        let late = (stop > last + INSTANT).then(late);
+        early.into_iter().chain(late).collect()
     }
 
     /// Reads a scenario from text; `path` is for messages.

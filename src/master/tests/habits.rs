@@ -125,6 +125,26 @@ fn the_folder_of_the_results_is_made() {
 }
 
 #[test]
+fn a_run_that_leaves_its_scenario_says_so() {
+    let folder = TempDir::new().unwrap();
+    let rows = std::fs::read_to_string(root().join("examples/closed_loop/scenarios/positions.csv"));
+    let rows = rows.unwrap();
+    let mut lines = rows.lines();
+    let (names, first) = (lines.next().unwrap(), lines.next().unwrap());
+    let at = |time: &str| format!("{time}{}", first.strip_prefix('0').unwrap());
+    let script = folder.path().join("short.csv");
+    std::fs::write(&script, [names, &at("0.02"), &at("0.05")].join("\n")).unwrap();
+    let script = script.display().to_string();
+    let (status, said) = told(cosim(&shipped(), folder.path(), &["--scenario", &script]));
+    assert_eq!(status, Some(0));
+    assert_eq!(
+        said,
+        "scenario short.csv begins at t = 0.02 s: its first values hold until then\n\
+         scenario short.csv ends at t = 0.05 s: its last values hold from then on\n"
+    );
+}
+
+#[test]
 fn a_reader_that_has_closed_the_pipe_is_no_panic() {
     let folder = TempDir::new().unwrap();
     let system = shipped();

@@ -28,6 +28,7 @@ from .signals import describe
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 
+SCENARIO = "scenario"  # category of what is said of it
 MOST_STEPS = 1e8  # of a run; its times alone take 0.8 GB
 
 
@@ -74,6 +75,7 @@ class Run:
         self.signals: dict[str, dict[str, Any]] = {}
         self.loops: list[list[str]] = []
         self.times = np.zeros(0)
+        self.beyond: list[tuple[float, str]] = []  # the rows of the scenario
         self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
         self.ends: dict[str, FmuRuntimeError] = {}  # by FMUs that ask to end it
@@ -126,6 +128,7 @@ class Run:
         for fmu in self.fmus.values():
             fmu.steer(script.signals)
         self.times = communication_points(self.system.step, self.system.stop)
+        self.beyond = script.beyond(self.system.stop)
         self.sources = resolve(self.system, self.fmus, list(script.signals))
         check_types(self.system, self.fmus, self.sources, script)
         self.transforms = transforms(self.system, self.fmus, self.sources)
@@ -271,6 +274,8 @@ class Run:
     def summary(self, error: HarnessError | None) -> dict[str, Any]:
         """Return the content of `run.json`, without the environment."""
         log = [m for f in self.fmus.values() for m in f.log] + self._out_of_range()
+        log += [{"component": "scenario", "time": t, "status": "Warning", "category": SCENARIO,
+                 "message": text} for t, text in self.beyond]  # fmt: skip
         return {
             "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
             "samples": len(self.rows),

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import ConfigError, unreadable
+from ..errors import ConfigError, instant, unreadable
+
+INSTANT = 1e-9  # s; times that differ by less are one
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,20 @@ class Scenario:
             return np.interp(times, self.time, values)
         row = np.searchsorted(self.time, times, side="right") - 1
         return values[np.clip(row, 0, len(values) - 1)]
+
+    def beyond(self, stop: float) -> list[tuple[float, str]]:
+        """Return when a run from 0 to `stop` [s] leaves the rows, and what that means.
+
+        A scenario of one row holds its values, and so does one without signals.
+        """
+        if len(self.time) < 2 or not self.signals:
+            return []
+        first, last = self.time[[0, -1]].tolist()
+        early = f"begins at t = {instant(first)} s: its first values hold until then"
+        late = f"ends at t = {instant(last)} s: its last values hold from then on"
+        found = [(0.0, early)] if first > INSTANT else []
+        found += [(last, late)] if stop > last + INSTANT else []
+        return [(t, f"scenario {self.path.name} {text}") for t, text in found]
 
 
 def load(path: Path | None) -> Scenario:

@@ -11,7 +11,7 @@ from typing import Any
 from .. import formats, kpi, results
 from ..errors import HarnessError, instant
 from ..master import check_step, watch
-from ..master.master import Run
+from ..master.master import SCENARIO, Run
 from ..master.native import NativeRun
 from ..ssp import calibration
 from . import junit, progress, selection
@@ -194,6 +194,10 @@ def _say(
         for m in record["log"]:
             text = f"{instant(m['time'])} s {m['component']} [{m['category']}] {m['message']}"
             print(text, file=sys.stderr)
+    elif not (args.quiet or args.json):
+        for m in record["log"]:
+            if m["category"] == SCENARIO:
+                print(m["message"], file=sys.stderr)
     if args.json:
         print(json.dumps({"out": str(out), "run": record, "kpis": kpis}))
     elif not args.quiet:
