@@ -15,6 +15,7 @@ const ROUNDING: f64 = 1e-9;
 /// Sets the inputs in use and advances an FMU from `time` by `step` [s]; a step that it discards is divided.
 ///
 /// `slopes` are none, or one for each input.
+#[inline(always)]
 pub fn step(
     fmu: &mut Fmu,
     inputs: &mut [f64],
@@ -32,6 +33,7 @@ pub fn step(
 ///
 /// An FMU that got part of the way goes on from there; one that did not move tries half the step.
 /// `inputs` stay as they are, or go on with their `slopes`; afterwards they are as before.
+#[cold]
 fn finish(
     fmu: &mut Fmu,
     inputs: &mut [f64],

@@ -119,12 +119,14 @@ impl Fmu {
     }
 
     /// Sets the inputs in use.
+    #[inline(always)]
     pub fn set_inputs(&mut self, values: &[f64]) -> Result<(), Error> {
         let done = self.inputs.set(&mut self.instance, values);
         done.map_err(|failure| self.failed(failure))
     }
 
     /// Reads the outputs in use.
+    #[inline(always)]
     pub fn get_outputs(&mut self, values: &mut [f64]) -> Result<(), Error> {
         let done = self.outputs.get(&mut self.instance, values);
         done.map_err(|failure| self.failed(failure))
@@ -137,6 +139,7 @@ impl Fmu {
     }
 
     /// Tells it and its log where a step begins [s].
+    #[inline(always)]
     pub fn at(&mut self, time: f64) {
         self.time = time;
         self.log.at(time);
@@ -144,6 +147,7 @@ impl Fmu {
 
     /// Sets the inputs in use and tries a step; false when the FMU discards it. `slopes` are none, or one for
     /// each input.
+    #[inline(always)]
     pub fn attempt(
         &mut self,
         inputs: &[f64],

@@ -96,13 +96,19 @@ impl Gather {
     }
 
     /// Reads the world at communication point `time` [s].
+    #[inline(always)]
     pub fn gather(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
         for (value, source) in self.values.iter_mut().zip(&self.sources) {
             *value = world.get(*source).copied().unwrap_or(f64::NAN);
         }
-        if !self.changes {
-            return Ok(());
+        if self.changes {
+            self.change(world, time)?;
         }
+        Ok(())
+    }
+
+    /// Does to the gathered values what happens to them on their way.
+    fn change(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
         for (place, source) in &self.noises {
             if let Some(value) = self.values.get_mut(*place) {
                 *value += world.get(*source).copied().unwrap_or(f64::NAN);

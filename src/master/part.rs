@@ -89,6 +89,7 @@ impl Part {
     }
 
     /// Reads the outputs into their places.
+    #[inline(always)]
     pub fn get_outputs(&mut self, world: &mut [f64]) -> Result<(), Error> {
         let places = world.get_mut(self.outputs.clone()).unwrap_or_default();
         match &mut self.translator {
@@ -101,6 +102,7 @@ impl Part {
     }
 
     /// Advances with the gathered inputs, in equal parts.
+    #[inline(always)]
     pub fn step(&mut self, world: &mut [f64], time: f64, step: f64) -> Result<(), Error> {
         let done = if self.substeps == 1 {
             self.time = time;
@@ -135,6 +137,7 @@ impl Part {
         Ok(())
     }
 
+    #[inline(always)]
     fn step_once(&mut self, step: f64) -> Result<(), Error> {
         let Gather { values, slopes, .. } = &mut self.gather;
         let Some(translator) = &mut self.translator else {

@@ -1,6 +1,7 @@
 //! The rows of a run, as they are made.
 
 use cosim_raw::prefetch;
+use std::array;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Rows so far.
@@ -41,22 +42,22 @@ impl<'a> Recorder<'a> {
         self.good
     }
 
-    /// Adds the signals of the world that are kept, `None` for all; a row that is not good is written
-    /// over by the next one.
-    pub fn push(&mut self, world: &[f64], kept: Option<&[usize]>, good: bool) {
+    /// Adds the signals of the world that are kept, `None` for all, and tells whether all of the world are
+    /// numbers; a row of a world of which that is not true is written over by the next one.
+    #[inline]
+    pub fn push(&mut self, world: &[f64], kept: Option<&[usize]>) -> bool {
         let begin = self.good * self.width;
-        match &mut self.rows {
-            Rows::Own(rows) => {
-                let there = write((rows, begin, self.width), world, kept);
-                self.good += usize::from(there && good);
-            }
+        let (there, good) = match &mut self.rows {
+            Rows::Own(rows) => write((rows, begin, self.width), world, kept),
             Rows::Seen(seen) => {
                 let mut seen = open(seen);
-                let there = write((&mut seen.rows, begin, self.width), world, kept);
-                self.good += usize::from(there && good);
-                seen.good = self.good;
+                let (there, good) = write((&mut seen.rows, begin, self.width), world, kept);
+                seen.good = self.good + usize::from(there && good);
+                (there, good)
             }
-        }
+        };
+        self.good += usize::from(there && good);
+        good
     }
 }
 
@@ -65,15 +66,16 @@ pub fn open(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
     seen.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Writes a row at its place; false where there is none.
+/// Writes a row at its place; returns whether there is one, and whether all of the world are numbers.
+#[inline]
 fn write(
     (rows, begin, width): (&mut [f64], usize, usize),
     world: &[f64],
     kept: Option<&[usize]>,
-) -> bool {
+) -> (bool, bool) {
     let rest = rows.get_mut(begin..);
     let Some((row, later)) = rest.and_then(|rest| rest.split_at_mut_checked(width)) else {
-        return false;
+        return (false, are_numbers(world));
     };
     prefetch(later.get(..width).unwrap_or_default());
     match kept {
@@ -82,5 +84,51 @@ fn write(
             *value = world.get(*place).copied().unwrap_or(f64::NAN);
         }),
     }
-    true
+    (true, are_numbers(world))
+}
+
+/// Whether all values are numbers: if they are, or nearly, so is their sum. Values too large for one are no reason.
+///
+/// Sums side by side do not wait for each other.
+#[inline]
+fn are_numbers(values: &[f64]) -> bool {
+    let (lanes, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for lane in lanes {
+        sums = array::from_fn(|k| sums[k] + lane[k]);
+    }
+    let four: [f64; 4] = array::from_fn(|k| sums[k] + sums[k + 4]);
+    let rest = rest.iter().fold(0.0, |sum, value| sum + value);
+    (four[0] + four[2] + (four[1] + four[3]) + rest).is_finite() || all_finite(values)
+}
+
+#[cold]
+fn all_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::are_numbers;
+
+    #[test]
+    fn one_value_that_is_no_number_is_seen_wherever_it_stands() {
+        for count in 0..40 {
+            let good = vec![1.0; count];
+            assert!(are_numbers(&good));
+            for place in 0..count {
+                for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut values = good.clone();
+                    values[place] = bad;
+                    assert!(!are_numbers(&values), "{bad} at {place} of {count}");
+                }
+            }
+        }
+        assert!(!are_numbers(&[f64::INFINITY, f64::NEG_INFINITY]));
+    }
+
+    #[test]
+    fn numbers_too_large_for_a_sum_are_numbers() {
+        assert!(are_numbers(&[f64::MAX; 20]));
+    }
 }

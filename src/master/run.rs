@@ -10,7 +10,6 @@ use crate::recorder::Recorder;
 use crate::slopes::Slopes;
 use crate::watch::Watch;
 use crate::world;
-use std::array;
 
 /// Sweeps over the initial values, beyond one per component.
 const SWEEPS: usize = 50;
@@ -226,11 +225,15 @@ impl Run {
     }
 
     fn record(&self, recorder: &mut Recorder<'_>, time: f64) -> Result<(), Error> {
-        let finite = surely_finite(&self.world) || self.world.iter().all(|value| value.is_finite());
-        recorder.push(&self.world, self.kept.as_deref(), finite);
-        if finite {
+        if recorder.push(&self.world, self.kept.as_deref()) {
             return Ok(());
         }
+        Err(self.no_number(time))
+    }
+
+    /// The error of a world with a value that is no number.
+    #[cold]
+    fn no_number(&self, time: f64) -> Error {
         let bad = self
             .all
             .iter()
@@ -239,12 +242,12 @@ impl Run {
         let (name, value) = bad.map_or(("a signal", f64::NAN), |(name, value)| {
             (name.as_str(), *value)
         });
-        Err(Error::Value {
+        Error::Value {
             name: name.to_owned(),
             value,
             time,
             what: "no finite number",
-        })
+        }
     }
 }
 
@@ -289,47 +292,8 @@ fn each(
     over
 }
 
-/// All values are numbers; false where that takes a look at each: values too large for a sum are no reason.
-///
-/// Sums of pairs of sums wait for each other four times only.
-fn surely_finite(values: &[f64]) -> bool {
-    let (lanes, rest) = values.as_chunks::<16>();
-    let mut sums = [0.0; 16];
-    let mut add = |some: &[f64]| {
-        sums.iter_mut()
-            .zip(some)
-            .for_each(|(sum, value)| *sum += value)
-    };
-    lanes.iter().for_each(|lane| add(lane));
-    add(rest);
-    let eight: [f64; 8] = array::from_fn(|k| sums[k] + sums[k + 8]);
-    let four: [f64; 4] = array::from_fn(|k| eight[k] + eight[k + 4]);
-    (four[0] + four[2] + (four[1] + four[3])).is_finite()
-}
-
 fn moved(now: f64, before: f64) -> bool {
     now != before
         && !(now.is_nan() && before.is_nan())
         && (now - before).abs() > SETTLED * before.abs()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::surely_finite;
-
-    #[test]
-    fn one_value_that_is_no_number_is_seen_wherever_it_stands() {
-        for count in 0..40 {
-            let good = vec![1.0; count];
-            assert!(surely_finite(&good));
-            for place in 0..count {
-                for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                    let mut values = good.clone();
-                    values[place] = bad;
-                    assert!(!surely_finite(&values), "{bad} at {place} of {count}");
-                }
-            }
-        }
-        assert!(!surely_finite(&[f64::INFINITY, f64::NEG_INFINITY]));
-    }
 }

@@ -20,8 +20,8 @@ pub struct Signals {
 struct Narrow {
     references: Vec<u32>,
     values: Vec<i32>,
-    /// The FMU has been given values.
-    given: bool,
+    /// The numbers that the FMU has been given; before, none.
+    given: Vec<f64>,
 }
 
 impl Narrow {
@@ -31,17 +31,27 @@ impl Narrow {
     }
 
     /// Takes numbers that the FMU is to have; false if it has them: variables keep what they are set to.
+    #[inline(always)]
     fn narrow(&mut self, numbers: &[f64]) -> bool {
-        let mut new = !self.given;
+        // What is no number differs from itself: it is looked at anew.
+        *numbers != *self.given && self.take(numbers)
+    }
+
+    /// [`Self::narrow`] of other numbers than before, which may be the same values.
+    #[inline(never)]
+    fn take(&mut self, numbers: &[f64]) -> bool {
+        let mut new = self.given.is_empty();
         for (value, number) in self.values.iter_mut().zip(numbers) {
             let now = integer(*number);
             new |= now != *value;
             *value = now;
         }
-        self.given = true;
+        self.given.clear();
+        self.given.extend_from_slice(numbers);
         new
     }
 
+    #[inline(always)]
     fn widen(&self, numbers: &mut [f64]) {
         let places = numbers.iter_mut().zip(&self.values);
         places.for_each(|(number, value)| *number = f64::from(*value));
@@ -63,6 +73,7 @@ impl Signals {
     }
 
     /// Sets the FMU's variables; `numbers` has as many as there are.
+    #[inline(always)]
     pub fn set(&mut self, instance: &mut Instance, numbers: &[f64]) -> Result<(), Failure> {
         let (reals, narrow) = numbers.split_at(self.reals.len().min(numbers.len()));
         if !reals.is_empty() {
@@ -85,6 +96,7 @@ impl Signals {
     }
 
     /// Reads the FMU's variables into `numbers`, which has as many as there are.
+    #[inline(always)]
     pub fn get(&mut self, instance: &mut Instance, numbers: &mut [f64]) -> Result<(), Failure> {
         let (reals, narrow) = numbers.split_at_mut(self.reals.len().min(numbers.len()));
         if !reals.is_empty() {
