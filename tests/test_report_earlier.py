@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from dct_harness import cli, report, results
 from dct_harness.errors import ConfigError
-from dct_harness.report import earlier, runs
+from dct_harness.report import earlier, runs, typography
 from test_report import LINES, Visit, browser, shots
 from test_report_data import write_all, write_run
 
@@ -42,6 +42,31 @@ def test_changes_are_the_kpis_signals_and_facts_that_differ(pair: tuple[Path, Pa
     assert {k["signal"].split()[0] for k in found["kpis"]} == {"clutch1.torque"}
     facts = [(f["name"], f["was"], f["now"]) for f in found["facts"]]
     assert facts == [("plant.mass", "1.0", "–")]
+
+
+@pytest.mark.parametrize(("was", "now", "shown"), [
+    (-123.456789, -123.4, ("−123.457", "−123.400")), (0.0123, 0.5, ("0.01", "0.50")),
+    (100.0, 20.0, ("100", "20")), (0.0, -1e-3, ("0.0000", "−0.0010")), (1.0, 0.0, ("1", "0")),
+    (1e-9, 0.5, ("0.00", "0.50")), (-6.8e-10, 3e-9, ("−6.8·10⁻¹⁰", "3.0·10⁻⁹")),
+    (12345678.0, 12345679.0, ("1.23456780·10⁷", "1.23456790·10⁷")), (7.0, 7.0, ("7.00", "7.00")),
+    (None, 2.5, ("–", "2.50")),
+])  # fmt: skip
+def test_two_values_have_the_digits_that_tell_what_changed(
+    was: float | None, now: float, shown: tuple[str, str]
+) -> None:
+    assert typography.pair(was, now) == shown
+
+
+@pytest.mark.parametrize(("name", "printed"), [
+    ("N.m", "N·m"), ("kg.m2", "kg·m²"), ("N.m.s/rad", "N·m·s/rad"), ("m/s2", "m/s²"),
+    ("min-1", "min⁻¹"), ("m/s^1.75", "m/s¹·⁷⁵"), ("1/min", "1/min"), ("degC", "°C"), ("1", ""),
+])  # fmt: skip
+def test_units_are_printed_as_people_write_them(name: str, printed: str) -> None:
+    assert typography.unit(name) == printed
+
+
+def test_only_negative_numbers_have_a_minus_sign() -> None:
+    assert typography.minus("-3.2 %, map-based, 1e-05, <-.4") == "−3.2 %, map-based, 1e-05, <−.4"
 
 
 def test_the_same_run_has_no_dotted_line(pair: tuple[Path, Path], tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ from . import (
     runs,
     shaft_model,
     study_page,
+    typography,
 )
 from .picture import picture
 from .runs import View
@@ -94,6 +95,7 @@ def _environment() -> jinja2.Environment:
     def raw(name: str) -> Markup:
         return Markup(loader.get_source(environment, name)[0])
 
+    environment.filters.update(minus=typography.minus, unit=typography.unit)
     environment.globals.update(raw=raw, plotly=lambda: Markup(get_plotlyjs()))
     return environment
 

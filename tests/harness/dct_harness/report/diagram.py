@@ -8,6 +8,8 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
+from . import typography
+
 BOX = (176, 76)  # px, least height
 GAP = 146  # px between boxes
 LINE = 18  # px, a line of names in a box
@@ -21,8 +23,7 @@ Json = dict[str, Any]
 
 def unit(run: Json, signal: str) -> str:
     """Return the unit that the FMUs give a signal, as it is printed, or an empty string."""
-    found: str = run.get("signals", {}).get(signal, {}).get("unit", "")
-    return found.replace(".", "·")
+    return typography.unit(run.get("signals", {}).get(signal, {}).get("unit", ""))
 
 
 def layout(run: Json) -> Json:

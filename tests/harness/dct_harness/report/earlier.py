@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from ..compare import Tolerances, compare
-from ..errors import ConfigError, did_you_mean
+from ..errors import ConfigError, did_you_mean, instant
 from ..kpi import registry
 from ..kpi.table import UNDEFINED, shown
 from .runs import View, load
+from .typography import figure, pair, unit
 
 Json = dict[str, Any]
 SIGNALS = 12  # the signals that changed most
+CHANGE = 2  # digits of a change
 
 
 def beside(views: list[View], run_dirs: Sequence[str | Path]) -> list[View]:
@@ -72,16 +74,17 @@ def _kpis(before: View, now: View) -> list[Json]:
 
 
 def _percent(was: float | None, now: float | None) -> str:
-    return f"{100 * (now - was) / abs(was):+.3g} %" if was and now is not None else UNDEFINED
+    if not was or now is None:
+        return UNDEFINED
+    change = figure(100 * (now - was) / abs(was), CHANGE)
+    return f"{'' if change.startswith('−') else '+'}{change} %"
 
 
 def _signal(outcome: Any) -> Json:
-    def number(value: float | None) -> str:
-        return UNDEFINED if value is None else f"{value:.6g}"
-
-    return {"name": outcome.name, "unit": outcome.unit, "at": number(outcome.time),
-            "was": number(outcome.reference), "now": number(outcome.value),
-            "nrmse": UNDEFINED if outcome.nrmse is None else f"{outcome.nrmse:.2g}",
+    was, now = pair(outcome.reference, outcome.value)
+    return {"name": outcome.name, "unit": unit(outcome.unit), "was": was, "now": now,
+            "at": UNDEFINED if outcome.time is None else instant(outcome.time),
+            "nrmse": figure(outcome.nrmse, CHANGE),
             "reason": "" if outcome.time is not None else outcome.reason}  # fmt: skip
 
 
