@@ -134,6 +134,11 @@ def test_c_importer(model: str, case: str) -> None:
     _run(model, case)
 
 
+@pytest.mark.parametrize("model", ["DctPlant", "DctObserver"])
+def test_a_step_that_is_too_long_may_be_tried_again_shorter(model: str) -> None:
+    _run(model, "too_long")
+
+
 @every_library
 def test_log_messages_are_finished_sentences(model: str) -> None:
     _run(model, "messages", library(model).input)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from dct_harness import results
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
+from fmu_instance import Instance
 from harness_fixture.lag_fmu import LAG, run, variable, write_fmu, write_system
 
 STARTS = (("reach", "1e9"), ("most", "1e9"), ("mute", "0"))
@@ -57,3 +61,55 @@ def test_an_fmu_of_one_step_size_is_not_asked_for_another(
     done = run(write_system(tmp_path), tmp_path, "--set", "plant.reach=0.0004")
     assert done.returncode == 4
     assert "it cannot take this step and takes no other one; change system.step" in done.stderr
+
+
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+def test_a_step_too_long_for_our_observer_is_halved_until_it_is_not(
+    repo_root: Path, tmp_path: Path, engine: str
+) -> None:
+    """Half a second is above its longest step, a sixteenth is not: eight substeps."""
+    text = (repo_root / "examples/closed_loop/paper_case1.toml").read_text()
+    text = text.replace('"scenarios/', f'"{repo_root}/examples/closed_loop/scenarios/')
+    text = text.replace("step = 0.001", "step = 0.5").split("[[kpis]]")[0]
+    fmu = 'fmu = "DctObserver.fmu"\n'
+    found = []
+    for name, more in (("whole", ""), ("parts", "substeps = 8\n")):
+        (tmp_path / name).mkdir()
+        system = tmp_path / name / "s.toml"
+        system.write_text(text.replace(fmu, fmu + more))
+        done = run(system, repo_root / "target/fmu", "--engine", engine)
+        assert done.returncode == 0, done.stderr
+        found.append(results.load(system.parent / "out"))
+    whole, parts = found
+    told = [m["message"] for m in whole.run["log"] if m["status"] in ("Warning", "Discard")]
+    assert "fmi2DoStep: communicationStepSize = 0.5 s is above 0.1 s" in told
+    assert "fmi2DoStep at t = 0 s returned fmi2Discard; this step was divided" in told
+    assert not [m for m in parts.run["log"] if "communicationStepSize" in m["message"]]
+    for signal, values in whole.signals.items():
+        assert np.array_equal(values, parts[signal]), signal
+
+
+def test_fmpy_may_go_on_after_a_step_that_was_too_long(repo_root: Path) -> None:
+    speeds = []
+    for first in (100.0, None):
+        with Instance(repo_root / "target/fmu/DctPlant.fmu") as plant:
+            plant.slave.setupExperiment()
+            plant.slave.enterInitializationMode()
+            plant.set("engine.torque", 60.0)
+            plant.slave.exitInitializationMode()
+            plant.slave.doStep(0.0, 0.25)
+            if first is not None:
+                refused(plant, lambda: plant.slave.doStep(0.25, 100.0))
+                assert plant.slave.getRealStatus(fmi2LastSuccessfulTime) == 0.25
+                refused(plant, lambda: plant.slave.getBooleanStatus(fmi2Terminated))
+            plant.slave.doStep(0.25, 0.25)
+            speeds.append(plant.get("engine.speed"))
+            plant.slave.terminate()
+    assert speeds[0] == speeds[1] > 0
+
+
+def refused(fmu: Instance, call: Callable[[], object]) -> None:
+    """Demand fmi2Discard of a call, and that it is told."""
+    with pytest.raises(FMICallException) as caught:
+        call()
+    assert caught.value.status == fmi2Discard == fmu.log[-1].status

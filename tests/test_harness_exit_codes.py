@@ -115,16 +115,26 @@ def test_fmu_of_another_platform_exits_6(tmp_path: Path, lag_library: Path, verb
     assert "no binary for linux64" in done.stdout + done.stderr
 
 
+BRAKES = """time,engine.torque,road.grade,brake.torque,shaft1.gear,shaft2.gear,clutch1.pressure,\
+clutch2.pressure,clutch1.position,clutch2.position
+0,0,0,0,1,2,0,0,0,0
+0.5,0,0,0,1,2,0,0,0,0
+0.5625,0,0,-1,1,2,0,0,0,0
+"""
+
+
 @pytest.mark.parametrize("engine", ["fmpy", "native"])
 @pytest.mark.parametrize(("option", "code", "said"), [
     (("--set", "plant.vehicle.mass=-5"), 2, "'plant.vehicle.mass' = -5 is refused: fmi2SetReal "
      "returned fmi2Discard\n  logStatusDiscard: fmi2SetReal: vehicle.mass = -5 is below 1e-9"),
-    (("--step", "0.5"), 4, "observer: fmi2DoStep at t = 0 s returned fmi2Error\n"
-     "  logStatusError: fmi2DoStep: communicationStepSize = 0.5 s is above 0.1 s"),
+    (("--scenario", "b.csv", "--step", "0.0625"), 4,
+     "plant: fmi2SetReal at t = 0.5625 s returned fmi2Discard\n"
+     "  logStatusDiscard: fmi2SetReal: brake.torque = -1 is below 0"),
 ])  # fmt: skip
 def test_our_fmus_say_why_they_refuse(
-    repo_root: Path, tmp_path: Path, engine: str, option: tuple[str, str], code: int, said: str
+    repo_root: Path, tmp_path: Path, engine: str, option: tuple[str, ...], code: int, said: str
 ) -> None:
+    (tmp_path / "b.csv").write_text(BRAKES)
     case = repo_root / "examples/closed_loop/paper_case1.toml"
     done = harness("run", case, "--fmu-dir", repo_root / "target/fmu", "--engine", engine,
                    "--out", tmp_path / "out", *option, folder=tmp_path)  # fmt: skip

@@ -156,7 +156,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The status an importer gets: `Discard` for values it may correct, else `Error`.
+    /// The status an importer gets: `Discard` for values and steps it may correct, else `Error`.
     #[must_use]
     pub const fn status(&self) -> Status {
         match self {
@@ -165,6 +165,7 @@ impl Error {
             | Self::AboveMax { .. }
             | Self::NotAnItem { .. }
             | Self::NotUtf8
+            | Self::Model(Failure::StepTooLong { .. })
             | Self::NoStatus(_) => Status::Discard,
             _ => Status::Error,
         }

@@ -1,7 +1,8 @@
 //! An instance of a model: life cycle, checked access to its variables, steps. No C in here.
 //!
 //! A call that returns an error has changed nothing, except when the model itself failed: then the
-//! instance is in [`State::Error`] until it is reset or a saved state is restored.
+//! instance is in [`State::Error`] until it is reset or a saved state is restored. A step that is too long for
+//! the model is no such failure.
 
 use crate::row::{Row, row, rows};
 use crate::saved::Saved;
@@ -338,9 +339,12 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
+    /// A step that is too long has changed nothing: the importer may try a shorter one.
     #[cold]
     fn fail(&mut self, failure: Failure) -> Error {
-        self.condemn();
+        if !matches!(failure, Failure::StepTooLong { .. }) {
+            self.condemn();
+        }
         Error::Model(failure)
     }
 }

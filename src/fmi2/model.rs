@@ -191,7 +191,8 @@ pub enum Failure {
         /// Time at which it was seen [s].
         time: f64,
     },
-    /// The communication step is longer than the model can take. fmi2Error.
+    /// The communication step is longer than the model can take. fmi2Discard: the importer may try a shorter one, so
+    /// return this from `step` only, before it has changed anything.
     StepTooLong {
         /// The step asked for [s].
         step: f64,

@@ -1,7 +1,7 @@
 //! Life cycle: the states of an instance, and which call is legal in which, as one table.
 //!
-//! FMI 2.0.4, 4.2.4. The states `stepInProgress`, `stepFailed` and `stepCanceled` are missing
-//! because `fmi2DoStep` never returns `fmi2Pending` or `fmi2Discard`.
+//! FMI 2.0.4, 4.2.4. The states `stepInProgress` and `stepCanceled` are missing because `fmi2DoStep` never returns
+//! `fmi2Pending`, and `stepFailed` because a step that it discards has changed nothing: that is `stepComplete`.
 
 use core::fmt;
 

@@ -10,7 +10,7 @@ typedef void Case(Fmu *fmu, const char *argument);
 Case every_function, without_logger, cycles, cycles_beside, loads, threads, small_stack, untouched;
 Case save, resume;
 /* misuse.c */
-Case freed, foreign, called_back, shared, extremes, corrupted, importers, panics, messages,
+Case freed, foreign, called_back, shared, extremes, too_long, corrupted, importers, panics, messages,
     overrun;
 
 #endif

@@ -14,9 +14,9 @@ static const struct {
     {"resume", resume},                 {"freed", freed},
     {"foreign", foreign},               {"called_back", called_back},
     {"shared", shared},                 {"extremes", extremes},
-    {"corrupted", corrupted},           {"importers", importers},
-    {"panics", panics},                 {"messages", messages},
-    {"overrun", overrun},
+    {"too_long", too_long},             {"corrupted", corrupted},
+    {"importers", importers},           {"panics", panics},
+    {"messages", messages},             {"overrun", overrun},
 };
 
 static fmi2ValueReference reference(const char *text)

@@ -124,11 +124,36 @@ void extremes(Fmu *fmu, const char *argument)
             fmi2Status status = fmu->DoStep(c, odd[i], odd[k], fmi2True);
             CHECK(status == fmi2Error);
             status = fmu->DoStep(c, 4 * STEP, odd[k], fmi2True);
-            CHECK(status == fmi2Error || (status == fmi2OK && odd[k] >= 1e9));
+            CHECK(status == fmi2Error || (status <= fmi2Discard && odd[k] >= 1e9));
             CHECK(fmu->Reset(c) == fmi2OK);
             fmu->SetupExperiment(c, fmi2True, odd[i], odd[k], fmi2True, odd[i]);
             fmu->FreeInstance(c);
         }
+}
+
+void too_long(Fmu *fmu, const char *argument)
+{
+    (void)argument;
+    Log log = {0};
+    fmi2Component c = running(fmu, &log);
+    size_t size, after;
+    fmi2Byte *bytes = bytes_of(fmu, c, &size);
+    double longest = 0, reached;
+    fmi2Boolean boolean;
+    CHECK(fmu->DoStep(c, 4 * STEP, 1e6, fmi2True) == fmi2Discard);
+    CHECK(log.calls == 1 && log.status == fmi2Discard);
+    const char *told = strstr(log.text, "communicationStepSize = 1000000 s is above ");
+    CHECK(told && sscanf(strstr(told, "above"), "above %lf s", &longest) == 1 && longest > STEP);
+    CHECK(fmu->DoStep(c, 4 * STEP, 1.01 * longest, fmi2True) == fmi2Discard);
+    CHECK(fmu->GetRealStatus(c, fmi2LastSuccessfulTime, &reached) == fmi2OK && reached == 4 * STEP);
+    CHECK(fmu->GetBooleanStatus(c, fmi2Terminated, &boolean) == fmi2Discard); /* it is not known */
+    fmi2Byte *again = bytes_of(fmu, c, &after);
+    CHECK(after == size && !memcmp(again, bytes, size));
+    CHECK(fmu->DoStep(c, 4 * STEP, longest, fmi2True) == fmi2OK);
+    CHECK(fmu->Terminate(c) == fmi2OK);
+    free(again);
+    free(bytes);
+    fmu->FreeInstance(c);
 }
 
 void corrupted(Fmu *fmu, const char *argument)

@@ -23,6 +23,9 @@ static LEVEL: Enumeration = Enumeration {
     ],
 };
 
+/// The longest step of the model [s].
+const LONGEST: f64 = 0.5;
+
 /// `fixed` above 9 fails to initialise, `count` = 3 fails to step.
 #[derive(Clone)]
 pub(super) struct Probe {
@@ -109,6 +112,12 @@ impl Model for Probe {
             return Err(Failure::Diverged {
                 variable: "count",
                 time,
+            });
+        }
+        if step > LONGEST {
+            return Err(Failure::StepTooLong {
+                step,
+                longest: LONGEST,
             });
         }
         self.slope = self.gain * self.u;
@@ -268,6 +277,9 @@ impl Shadow {
         if self.value(COUNT) == Some(3.0) {
             self.state = State::Error;
             return Status::Error;
+        }
+        if step.min(self.stop - time) > LONGEST {
+            return Status::Discard;
         }
         (self.time, self.due) = (end.min(self.stop), false);
         Status::Ok
