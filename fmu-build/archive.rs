@@ -1,5 +1,10 @@
 //! FMU files: ZIP archives whose bytes depend on their contents only.
 
+mod untrusted;
+
+pub use untrusted::Untrusted;
+pub(crate) use untrusted::{examine, member_name};
+
 use crate::{Error, Result};
 use std::fs::{self, File};
 use std::io::{Cursor, Read as _, Write as _};
@@ -83,22 +88,23 @@ fn remedy(folder: &Path) -> String {
 /// Reads all files of an archive.
 ///
 /// # Errors
-/// When the file cannot be read, is no ZIP archive, or unpacks to more than 1 GiB.
+/// When the file cannot be read, is no ZIP archive, unpacks to more than 1 GiB, or has a member that nobody should unpack.
 pub(crate) fn members(path: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     let mut archive = open(path)?;
+    examine(path, &mut archive, LARGEST)?;
     let (mut members, mut room) = (Vec::new(), LARGEST);
     for index in 0..archive.len() {
         let member = archive.by_index(index).map_err(Error::zip(path))?;
         if member.is_dir() {
             continue;
         }
-        let name = member.name().map_err(Error::zip(path))?.into_owned();
+        let name = member_name(path, &member)?;
         let mut bytes = Vec::new();
         let read = member.take(room + 1).read_to_end(&mut bytes);
         read.map_err(Error::io(path))?;
         let size = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
         let rest = room.checked_sub(size);
-        room = rest.ok_or(Error::TooLarge { limit: LARGEST })?;
+        room = rest.ok_or_else(|| Untrusted::TooLarge { limit: LARGEST }.of(path))?;
         members.push((name, bytes));
     }
     Ok(members)

@@ -1,5 +1,6 @@
 //! What can go wrong, one variant per cause; each text says what to do where something can be done.
 
+use crate::archive::Untrusted;
 use crate::suggest::did_you_mean;
 use fmi2_cosim::Seconds;
 use std::path::{Path, PathBuf};
@@ -84,27 +85,12 @@ pub enum Error {
         /// What the archive library said.
         source: zip::result::ZipError,
     },
-    /// A member of an FMU has a name that could write outside the folder it is unpacked to.
-    UnsafeMember {
-        /// The name.
-        name: String,
-    },
-    /// A member of an FMU is a symbolic link.
-    Link {
-        /// Its name.
-        name: String,
-    },
-    /// A member of an FMU is packed far smaller than libraries, tables or pictures can be.
-    Bomb {
-        /// Its name.
-        name: String,
-        /// How many times smaller it may be packed.
-        ratio: u64,
-    },
-    /// An FMU unpacks to more bytes than any FMU needs.
-    TooLarge {
-        /// The largest accepted size [bytes].
-        limit: u64,
+    /// An archive that nobody should unpack, or a file that cannot be packed.
+    Untrusted {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        fault: Untrusted,
     },
     /// A model description could not be written.
     Write(quick_xml::SeError),
@@ -277,18 +263,7 @@ impl fmt::Display for Error {
                 )
             }
             Self::Zip { path, source } => write!(f, "{}: {source}", path.display()),
-            Self::UnsafeMember { name } => {
-                write!(
-                    f,
-                    "the archive member {name:?} would be unpacked outside its folder"
-                )
-            }
-            Self::Link { name } => write!(f, "the archive member {name:?} is a symbolic link"),
-            Self::Bomb { name, ratio } => write!(
-                f,
-                "the archive member {name:?} is packed more than {ratio} times smaller: a bomb"
-            ),
-            Self::TooLarge { limit } => write!(f, "the archive unpacks to more than {limit} bytes"),
+            Self::Untrusted { path, fault } => write!(f, "{}: {fault}", path.display()),
             Self::Write(source) => write!(f, "modelDescription.xml cannot be written: {source}"),
             Self::Parse(source) => write!(f, "modelDescription.xml cannot be read: {source}"),
             Self::Cargo { package } => write!(f, "`cargo build --package {package}` failed"),

@@ -36,7 +36,7 @@ mod table;
 mod variables_md;
 mod xml;
 
-pub use archive::package;
+pub use archive::{Untrusted, package};
 pub use check::{Finding, Options, Replay, Report, Severity, check, check_with, probe, replay};
 #[cfg(feature = "dct")]
 pub use dct::{compare, descriptions, models, refresh};

@@ -21,7 +21,7 @@ mod unpack;
 
 use crate::archive::DESCRIPTION;
 use crate::binary::Version;
-use crate::{Result, library};
+use crate::{Error, Result, library};
 use parsed::Description;
 use probe::Probe;
 use serde::{Deserialize, Serialize};
@@ -206,6 +206,7 @@ pub fn check_with(path: &Path, options: &Options) -> Result<Report> {
     container::check(path, &mut report)?;
     match Unpacked::open(path) {
         Ok(unpacked) => check_unpacked(unpacked.folder(), options, &mut report)?,
+        Err(Error::Untrusted { fault, .. }) => report.error("2.3", fault.to_string()),
         Err(error) => report.error("2.3", error.to_string()),
     }
     if options.strict {
@@ -256,7 +257,7 @@ fn opened(path: &Path) -> Result<(Unpacked, Description)> {
 
 /// Reads the description of an unpacked FMU.
 fn described(folder: &Path) -> Result<Description> {
-    let bytes = fs::read(folder.join(DESCRIPTION)).map_err(crate::Error::io(DESCRIPTION))?;
+    let bytes = fs::read(folder.join(DESCRIPTION)).map_err(Error::io(DESCRIPTION))?;
     let text = text::read(&bytes, &mut Report::default());
     parsed::parse(&text.unwrap_or_default())
 }

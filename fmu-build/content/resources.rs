@@ -2,7 +2,7 @@
 
 use super::Members;
 use crate::outside::Fault;
-use crate::{Error, Result};
+use crate::{Error, Result, Untrusted};
 use std::fs;
 use std::path::Path;
 
@@ -30,9 +30,10 @@ fn collect(folder: &Path, name: &str, members: &mut Members) -> Result<()> {
         let (path, kind) = (entry.path(), entry.file_type());
         let kind = kind.map_err(Error::io(&path))?;
         let own = entry.file_name();
-        let own = own.to_str().ok_or_else(|| Error::UnsafeMember {
-            name: path.display().to_string(),
-        })?;
+        let shown = || own.to_string_lossy().into_owned();
+        let own = own
+            .to_str()
+            .ok_or_else(|| Untrusted::NotUtf8(shown()).of(&path))?;
         let name = format!("{name}/{own}");
         if own.starts_with('.') {
             continue;
@@ -42,7 +43,7 @@ fn collect(folder: &Path, name: &str, members: &mut Members) -> Result<()> {
         } else if kind.is_file() {
             members.push((name, fs::read(&path).map_err(Error::io(&path))?));
         } else {
-            return Err(Error::Link { name });
+            return Err(Untrusted::Link(name).of(&path));
         }
     }
     Ok(())
