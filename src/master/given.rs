@@ -39,7 +39,8 @@ impl Given {
         Ok(())
     }
 
-    /// Takes what an observer had learnt at the end of an earlier run, an .ssv or the folder of that run; of that the control takes what it has.
+    /// Takes what an observer had learnt at the end of an earlier run, an .ssv or the folder of that run; of that the
+    /// control takes what it has.
     pub fn learnt(&mut self, file: &Path, system: (&Path, &[&str])) -> Result<(), Error> {
         refuse_unknown("--calibration", OBSERVER, system)?;
         let whole = file.join(LEARNT);
