@@ -13,14 +13,13 @@ import json
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import growth_point
 import numpy as np
 from growth_plot import draw, table
 from loops import LOOP, planned
-from measure import ROOT, WORK
+from measure import ROOT, WORK, results
 from measure import run as measured
 
 KEPT = ["plant.vehicle.speed"]
@@ -128,14 +127,16 @@ def main() -> int:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two short points of each axis")
-    points = list(Growth(parser.parse_args().quick).all())
+    quick = parser.parse_args().quick
+    folder = results(quick)
+    points = list(Growth(quick).all())
     told = [asdict(point) for point in points]
     text = table(told)
     print(text, end="")
     out = {"growth.md": text, "growth.json": json.dumps(told, indent=1) + "\n"}
     for name, content in out.items():
-        (WORK / name).write_text(content, encoding="utf-8")
-    draw(told, Path(WORK / "growth.svg"))
+        (folder / name).write_text(content, encoding="utf-8")
+    draw(told, folder / "growth.svg")
     return 0
 
 

@@ -33,6 +33,13 @@ PLAIN = "0,1,2,3,4;5,6,7,8,9;"
 DRIVER = ("driver/main.c", "driver/importer.c", "driver/heap.c")
 
 
+def results(quick: bool) -> Path:
+    """Return the folder for results; a quick run leaves those of a whole one alone."""
+    folder = WORK / "quick" if quick else WORK
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 def run(*words: object) -> str:
     """Run a program and return what it prints.
 

@@ -7,7 +7,7 @@ import json
 import sys
 
 from gates import measured, table
-from measure import WORK, Bench
+from measure import Bench, results
 
 # Seconds of the scenario and rounds of a measurement: its launch with one lock-up, or all of it.
 QUICK, FULL = (3.0, 3), (30.0, 21)
@@ -23,7 +23,8 @@ def main() -> int:
     print(table(gates))
     missed = [gate.name for gate in gates if not gate.passed]
     summary = {"quick": quick, "missed": missed, "gates": [gate.summary() for gate in gates]}
-    (WORK / "summary.json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+    text = json.dumps(summary, indent=1) + "\n"
+    (results(quick) / "summary.json").write_text(text, encoding="utf-8")
     if missed:
         print("missed: " + ", ".join(missed), file=sys.stderr)
     return int(bool(missed) and not quick)

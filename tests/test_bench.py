@@ -23,6 +23,7 @@ EXACT = (
     "heap of a parameter set",
     "library, stripped (--small)",
 )
+QUICK = ROOT / "target/bench/quick"
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ def summary() -> dict:
     done = subprocess.run([sys.executable, "benches/run.py", "--quick"], cwd=ROOT, check=False,
                           capture_output=True, text=True)  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    summary = json.loads((ROOT / "target/bench/summary.json").read_text(encoding="utf-8"))
+    summary = json.loads((QUICK / "summary.json").read_text(encoding="utf-8"))
     assert all(gate["name"] in done.stdout for gate in summary["gates"])
     return summary
 
@@ -59,11 +60,11 @@ def test_growth_measures_two_points_of_every_axis_and_draws_them() -> None:
     done = subprocess.run([sys.executable, "benches/growth.py", "--quick"], cwd=ROOT, check=False,
                           capture_output=True, text=True)  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    points = json.loads((ROOT / "target/bench/growth.json").read_text(encoding="utf-8"))
+    points = json.loads((QUICK / "growth.json").read_text(encoding="utf-8"))
     axes = Counter(point["axis"] for point in points)
     assert len(axes) == 6
     assert all(count >= 2 for count in axes.values())
     assert all(point["cpu"] > 0 and point["wall"] > 0 for point in points)
-    drawn = (ROOT / "target/bench/growth.svg").read_text(encoding="utf-8")
+    drawn = (QUICK / "growth.svg").read_text(encoding="utf-8")
     assert "<svg" in drawn
-    assert done.stdout == (ROOT / "target/bench/growth.md").read_text(encoding="utf-8")
+    assert done.stdout == (QUICK / "growth.md").read_text(encoding="utf-8")

@@ -36,7 +36,8 @@ commands:
                  the fmi crate
   bench [--quick]
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
-                 fails when a gate is missed; --quick is a short run that judges nothing
+                 fails when a gate is missed; --quick is a short run that judges nothing,
+                 its results are in target/bench/quick
   bench growth   cost of the compiled master against runs, step, recorded signals, instances and
                  threads: table and plot in target/bench, growth.md and growth.svg
   deny           licences, advisories, origin and place of every crate: cargo-deny, deny.toml
