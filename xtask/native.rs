@@ -10,7 +10,7 @@ pub const MASTER: &str = "src/master/Cargo.toml";
 /// Where wheels are built.
 const WHEELS: &str = "target/wheels";
 
-/// Clippy and the tests, which run system files both here and by `dct-harness`.
+/// Clippy and the tests, which run system files both here and by `dct-harness`, whose native engine is the [`module`].
 pub fn checks(project: &Project, clippy: Command) -> Step {
     let project = project.clone();
     Step::new("closed loop through the fmi crate: src/master", move || {

@@ -40,11 +40,11 @@ pub fn steps(project: &Project) -> Vec<Step> {
         packages::step(project),
         project.fmus(),
         project.small_fmu(),
+        native::module(project),
         native::checks(
             project,
             clippy(project, &["--manifest-path", MASTER, "--workspace"]),
         ),
-        native::module(project),
         native::repeat(project),
     ];
     steps.extend(fuzz::steps(project, FUZZ_SECONDS));

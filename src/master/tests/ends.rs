@@ -1,4 +1,6 @@
 //! `cosim run` with an FMU that asks to end the simulation at 0.25 s (fmi2Terminated): rows until then are written.
+//!
+//! Needs `.venv` with `cosim_native`, as `cargo xtask test` makes it.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test fails by panicking
 
@@ -61,7 +63,9 @@ fn by_harness(engine: &str, words: &[&str]) -> (Option<i32>, String) {
     command.arg(system).arg("--fmu-dir").arg(folder.path());
     command.args(words).arg("--out").arg(folder.path());
     let done = command.output().unwrap();
-    let table = fs::read_to_string(folder.path().join("results.csv")).unwrap();
+    let table = fs::read_to_string(folder.path().join("results.csv"));
+    let told = String::from_utf8_lossy(&done.stderr);
+    let table = table.unwrap_or_else(|error| panic!("results.csv: {error}\n{told}"));
     (done.status.code(), table)
 }
 
