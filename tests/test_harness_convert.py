@@ -85,6 +85,25 @@ def test_german_csv_with_units_and_gaps_is_read(tmp_path: Path) -> None:
     assert (count.unit, count.values.tolist()) == ("", [1.0, 2.0])
 
 
+def test_csv_has_no_place_for_units_so_values_come_to_si(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    (tmp_path / "m.csv").write_text(
+        "Zeit [ms];clutch1.position [mm];T [degC];x [furlong]\n0;1,5;20;3\n500;2,5;30;4\n"
+    )
+    files = [str(tmp_path / name) for name in ("m.csv", "s.csv", "m.parquet")]
+    assert cli.main(["convert", *files[:2]]) == 0
+    assert "'x' is in 'furlong', which is not known: its values stay" in capsys.readouterr().err
+    made = scenario.load(tmp_path / "s.csv")
+    assert made.time.tolist() == [0.0, 0.5]
+    assert made.signals["clutch1.position"].tolist() == [0.0015, 0.0025]
+    assert made.signals["T"].tolist() == [293.15, 303.15]
+    assert made.signals["x"].tolist() == [3.0, 4.0]
+    assert cli.main(["convert", files[0], files[2]]) == 0  # Parquet has, so they stay
+    table = formats.read(tmp_path / "m.parquet")
+    assert (table.units["clutch1.position"], table.rows[0, 1]) == ("mm", 1.5)
+
+
 def test_several_rates_need_a_step() -> None:
     fast = Channel("a", np.arange(5.0), np.arange(5.0))
     slow = Channel("b", np.arange(0.0, 5.0, 2.0), np.arange(3.0))
@@ -129,6 +148,8 @@ def test_bad_maps_are_refused(tmp_path: Path, text: str, said: str) -> None:
 
 @pytest.mark.parametrize(("text", "said"), [
     ("time,a\n0,1\n0,2\n", "time of 'a' goes from"), ("a,b\n0,1\n", "must be the time"),
+    ("time [min],a\n0,1\n", "the time is in 'min'; it must be in s or ms"),
+    ("time,a\n0,5,1\n", "row 2 has 3 cells, the header 2; decimals are written with a point"),
     ("time,a\n0,x\n", "row 2: 'a' is 'x'"), ("time,a\n0\n", "row 2 has 1 cells"),
     ("time,a\n", "at least one row"),
 ])  # fmt: skip

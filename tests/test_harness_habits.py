@@ -33,7 +33,20 @@ def test_a_slip_of_the_keyboard_gets_a_hint(
 def test_a_word_like_no_other_gets_no_hint(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         cli.main(["xyzzy"])
-    assert "Did you mean" not in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "Did you mean" not in said
+    assert said.endswith("\n`dct-harness --help` shows what there is\n")
+    assert said.count("\n") == 2  # the mistake is not behind a page of options
+
+
+@pytest.mark.parametrize("text", ["1ms", "0,001"])
+def test_a_number_with_a_unit_or_a_comma_is_told_how_to_write(
+    text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["run", "x.toml", "--step", text])
+    said = capsys.readouterr().err
+    assert f"--step: '{text}' is not a time greater than 0 s: write the number alone" in said
 
 
 def test_bash_completes_verbs_options_and_choices(tmp_path: Path) -> None:

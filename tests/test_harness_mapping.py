@@ -86,7 +86,7 @@ def test_a_code_without_a_row_ends_the_run_with_its_time(tmp_path: Path, supplie
 @pytest.mark.parametrize(("old", "new", "said"), [
     ('"engine.torque"', '"engine.tork"', "no 'engine.tork'. Did you mean 'engine.torque'?"),
     ('"vehicle.speed" = {', '"my.own" = {', "Give it under [extra]"),
-    ('"tau"', '"tua"', "'engine.inertia' = 'tua': the FMU has no such variable. Did you mean 'tau"),
+    ('"tau"', '"tua"', "'engine.inertia' = 'tua': Lag has no such variable. Did you mean 'tau"),
     ('variable = "u"', 'variable = "x"', "is of causality output, not input"),
     ('"kN.m"', '"mm"', "'mm' (m) cannot become 'N.m' (kg m2 s-2)"),
     ('"kN.m"', '"knm"', "unknown unit 'knm'"),

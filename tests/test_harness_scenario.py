@@ -8,21 +8,25 @@ import numpy as np
 import pytest
 from dct_harness import results
 from dct_harness.errors import ConfigError
+from dct_harness.master import doubts
 from dct_harness.system import scenario
 from harness_fixture.lag_fmu import run, write_system
 
 
 @pytest.mark.parametrize(("text", "said"), [
-    ("t,u\n0,1\n", ":1: the first column must be 'time', not 't'"),
-    ("time;u\n0;1\n", ":1: the first column must be 'time', not 'time;u'; columns are "
-     "separated by commas (`dct-harness convert` reads others)"),
+    ("t,u\n0,1\n", ":1: the first column must be 'time' [s], not 't'"),
+    ("time;u\n0;1\n", ":1: the first column must be 'time' [s], not 'time;u'; columns are separated"
+     " by commas: `dct-harness convert {} scenario.csv` does that, decimal commas too"),
+    ("time,u [mm]\n0,1\n", ":1: column 'u [mm]': values are in SI units, and names stand alone: "
+     "`dct-harness convert {} scenario.csv` makes them 'u'"),
     ("time,u,u\n0,1,2\n", ":1: column name 'u' is empty or used twice"),
     ("time,,u\n0,1,2\n", ":1: column name '' is empty or used twice"),
     ("time,u\n0,1\n1,one\n", ":3: column 'u': 'one' is not a finite number"),
     ("time,u\n0,1\n1,nan\n", ":3: column 'u': 'nan' is not a finite number"),
     ("time,u\n0,1\n1,inf\n", ":3: column 'u': 'inf' is not a finite number"),
     ("time,u\n0,1\n1,\n", ":3: column 'u': '' is not a finite number"),
-    ("time,u\n0,1\n1,2,3\n", ":3: has 3 cells, the header has 2"),
+    ("time,u\n0,1\n1,2,3\n",
+     ":3: has 3 cells, the header has 2; decimals are written with a point"),
     ("time,u\n0,1\n\n1;2\n", ":4: has 1 cells, the header has 2"),
     ("time,u\n0,1\n0.5,1\n\n0.5,2\n", ":5: time 0.5 does not increase (before it: 0.5)"),
     ("time,u\n", ": needs a header and at least one row"),
@@ -33,7 +37,7 @@ def test_error_names_file_line_and_column(tmp_path: Path, text: str, said: str) 
     path.write_text(text)
     with pytest.raises(ConfigError) as caught:
         scenario.load(path)
-    assert str(caught.value) == f"{path}{said}"
+    assert str(caught.value) == f"{path}{said.format(path)}"
 
 
 def test_missing_scenario_is_a_sentence(tmp_path: Path) -> None:
@@ -44,7 +48,7 @@ def test_missing_scenario_is_a_sentence(tmp_path: Path) -> None:
 def test_scenario_that_is_no_text_is_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "s.csv"
     path.write_bytes(b"time,u\n0,\xff\xfe\n")
-    with pytest.raises(ConfigError, match=r"s\.csv: is not UTF-8 text"):
+    with pytest.raises(ConfigError, match=r"s\.csv: is not UTF-8 text; .* 'CSV UTF-8'"):
         scenario.load(path)
 
 
@@ -62,6 +66,8 @@ def test_reals_are_interpolated_and_integers_held(tmp_path: Path) -> None:
     ("0,2\n0.5,2\n", "1.0", ["ends at t = 0.5 s: its last values hold from then on"]),
     ("0.25,2\n0.5,2\n", "1.0", ["begins at t = 0.25 s: its first values hold until then",
                                 "ends at t = 0.5 s: its last values hold from then on"]),
+    ("0,2\n1000,2\n", "1.0", ["goes on to t = 1000 s: are its times in ms? They are read as s"]),
+    ("0,2\n30,2\n", "0.1", []),
 ])  # fmt: skip
 def test_a_run_that_leaves_its_scenario_says_so(
     lag_dir: Path, tmp_path: Path, rows: str, stop: str, said: list[str]
@@ -72,6 +78,24 @@ def test_a_run_that_leaves_its_scenario_says_so(
     assert told == [f"scenario s.csv {text}" for text in said]
     log = results.load(tmp_path / "out").run["log"]
     assert [m["message"] for m in log if m["category"] == "scenario"] == told
+
+
+@pytest.mark.parametrize(("signal", "value", "said"), [
+    ("clutch1.position", 3.0, "reaches 3 m, 3000 mm: is it in mm? It is read as m"),
+    ("clutch1.position", 0.003, ""), ("clutch1.position", 0.0, ""),
+    ("clutch1.pressure", 8.0, "reaches 8 Pa, 8e-05 bar: is it in bar? It is read as Pa"),
+    ("clutch1.pressure", 8e5, ""), ("clutch1.pressure", 0.0, ""),
+    ("road.grade", 1.0, ""), ("engine.torque", 3e4, ""), ("nobody.knows", 3e4, ""),
+])  # fmt: skip
+def test_values_in_the_unit_that_tools_show_are_in_doubt(
+    signal: str, value: float, said: str
+) -> None:
+    script = scenario.Scenario(
+        np.array([0.0, 1.0]), {signal: np.array([0.0, value])}, Path("s.csv")
+    )
+    told = [(0.0, f"scenario s.csv: {signal} {said}")] if said else []
+    assert doubts.of(script, [signal], 1.0) == told
+    assert doubts.of(script, [], 1.0) == []
 
 
 def test_results_read_back_bit_for_bit(tmp_path: Path) -> None:

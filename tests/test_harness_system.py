@@ -146,7 +146,8 @@ def test_a_value_of_the_command_line_has_no_line_of_the_file(tmp_path: Path, lag
     path = write_system(tmp_path)
     path.write_text(path.read_text() + "parameters.tau = 2.0\n")
     done = run(path, lag_dir, "--set", "plant.tau=soon")
-    assert done.stderr == "dct-harness: component 'plant': 'tau' is Real, got 'soon'\n"
+    said = "dct-harness: component 'plant': 'tau' is Real, got 'soon'"
+    assert done.stderr == f"{said}: write the number alone, with a decimal point\n"
 
 
 @pytest.mark.parametrize(("schema", "folder", "count"), [
@@ -168,6 +169,7 @@ def test_published_schemas_accept_the_shipped_files(
 @pytest.mark.parametrize(("option", "said"), [
     ("plant.tau", "write component.variable=value"),
     ("tau=1", "write component.variable=value"),
+    ("vehicle.mass=1", "(plant). Write COMPONENT.vehicle.mass, with one of these before it."),
     ("plnt.tau=1", "has no component 'plnt' (plant). Did you mean 'plant'?"),
 ])  # fmt: skip
 def test_override_that_names_nothing_is_refused(tmp_path: Path, option: str, said: str) -> None:

@@ -79,6 +79,11 @@ def unreadable(path: Path, what: str, error: OSError, suffix: str = "") -> str:
     return f"{told}.{hint}" if hint else told
 
 
+def not_utf8(path: Path) -> str:
+    """Return that a table's text cannot be read, and how a spreadsheet writes one that can."""
+    return f"{path}: is not UTF-8 text; spreadsheets write it as 'CSV UTF-8'"
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `` Did you mean 'x'?`` for the closest known name, or an empty string."""
     close = difflib.get_close_matches(name, list(known), n=1)

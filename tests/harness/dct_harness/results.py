@@ -104,7 +104,9 @@ def find(directory: Path) -> Path:
     if not found:
         what = f"no {RESULTS_CSV}" if directory.is_dir() else "there is no such directory"
         what = "it is a file, not a directory of results" if directory.is_file() else what
-        raise ConfigError(f"{directory}: {what}; make it with `dct-harness run`")
+        inside = min((p.parent for p in directory.glob(f"*/{RUN_JSON}")), default=None)
+        hint = f", or name one that lies in it, such as {inside}" if inside else ""
+        raise ConfigError(f"{directory}: {what}; make it with `dct-harness run`{hint}")
     if len(found) > 1:
         names = ", ".join(path.name for path in found)
         raise ConfigError(f"{directory}: holds {names}; keep the one to read")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any
 
 from .errors import ConfigError, did_you_mean
 
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+HEADER = re.compile(r"^(?P<name>.*\S)\s+[\[(](?P<unit>[^\])]*)[\])]$")  # of a column: `name [unit]`
 TURN = 2 * math.pi  # rad
 MINUTE, HOUR = 60.0, 3600.0  # s
 ZERO_CELSIUS = 273.15  # K

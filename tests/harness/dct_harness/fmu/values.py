@@ -35,7 +35,8 @@ def start_value(component: str, variable: Any, value: Any) -> Any:
     if type(value) is not kind and not whole:
         unit = f" [{unit_of(variable)}]" if unit_of(variable) else ""
         what = f"'{variable.name}' is {variable.type}{unit}, got {value!r}"
-        raise ConfigError(f"component '{component}': {what}", variable.name)
+        hint = ": write the number alone, with a decimal point" if kind is float else ""
+        raise ConfigError(f"component '{component}': {what}{hint}", variable.name)
     return value
 
 

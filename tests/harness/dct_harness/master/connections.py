@@ -41,13 +41,14 @@ def resolve(system: System, fmus: Mapping[str, Fmu | Mapped], signals: list[str]
         if target in system.connections:
             found[target] = system.connections[target]
         elif not system.explicit and variable not in system.components[component].parameters:
-            found[target] = _source(system, component, variable, outputs, known)
+            found[target] = _source(system, component, variable, outputs, known, inputs)
     return found
 
 
 def _source(
-    system: System, component: str, variable: str, outputs: set[str], known: set[str]
-) -> str:
+    system: System, component: str, variable: str, outputs: set[str], known: set[str],
+    inputs: Mapping[str, str],
+) -> str:  # fmt: skip
     """Return the one equal-named output of another component, else the scenario's signal."""
     others = (n for n in system.components if n != component)
     what = f"{system.at('components', component)}: '{component}.{variable}'"
@@ -64,17 +65,17 @@ def _source(
         raise ConfigError(
             f"{what} has no source: add a column '{variable}' to "
             f"{system.scenario}, a [[connections]] entry, or a value under "
-            f"components.{component}.parameters.{_hint(component, variable, known)}"
+            f"components.{component}.parameters.{_hint(component, variable, known, inputs)}"
         )
     return signal
 
 
-def _hint(component: str, variable: str, known: set[str]) -> str:
-    """Return the nearest column of the scenario; of a plant with names of its own what it needs."""
+def _hint(component: str, variable: str, known: set[str], inputs: Mapping[str, str]) -> str:
+    """Return a column like it that nobody reads; of a plant with names of its own what it needs."""
     if component == "plant" and variable not in plant_contract().variables:
         return " A plant with names of its own needs --map; `dct-harness map` writes one."
-    columns = (name.removeprefix("scenario.") for name in known if name.startswith("scenario."))
-    return did_you_mean(variable, columns)
+    columns = {name.removeprefix("scenario.") for name in known if name.startswith("scenario.")}
+    return did_you_mean(variable, sorted(columns - set(inputs.values())))
 
 
 def types(fmus: Mapping[str, Fmu | Mapped]) -> dict[str, str]:

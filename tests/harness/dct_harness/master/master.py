@@ -18,6 +18,7 @@ from ..supplier.mapping import Mapping
 from ..system import scenario as scenarios
 from ..system.system import System
 from ..system.transforms import Transform
+from . import doubts
 from .connections import check_types, held, resolve, transforms, types
 from .coupling import algebraic_loops, delayed, ranges
 from .initial import Initialization, Member
@@ -135,6 +136,7 @@ class Run:
         typed = types(self.fmus)
         still = held(self.fmus, self.sources)
         used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
+        self.beyond += doubts.of(script, used, self.system.stop)
         self.names = [f"scenario.{s}" for s in used]
         outputs = [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
         self.noise = Noise(self.system, self.sources, {n: typed[n] for n in outputs})

@@ -5,8 +5,8 @@ file ──> channels ──> map (names, SI units) ──> one time axis ──
 
 from __future__ import annotations
 
-from .channels import Channel, read
+from .channels import Channel, in_si, read
 from .mapping import Mapping
 from .resample import common
 
-__all__ = ["Channel", "Mapping", "common", "read"]
+__all__ = ["Channel", "Mapping", "common", "in_si", "read"]

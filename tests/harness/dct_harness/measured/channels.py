@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import csv
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from .. import formats, results
-from ..errors import ConfigError, instant
+from ..errors import ConfigError, instant, not_utf8
 from ..formats import mf4_file
+from ..units import HEADER, find, to_si
 
-HEADER = re.compile(r"^(?P<name>.*\S)\s+[\[(](?P<unit>[^\])]*)[\])]$")
 DELIMITERS = (",", ";", "\t")
 TIMES = ("time", "t", "zeit", "timestamp", "timestamps")
 
@@ -48,6 +47,19 @@ def read(path: Path) -> list[Channel]:
     for channel in found:
         _check_time(path, channel)
     return found
+
+
+def in_si(channels: list[Channel]) -> tuple[list[Channel], list[str]]:
+    """Return channels in SI units, and the names of those whose unit is not known: as they were."""
+    strange = [channel.name for channel in channels if find(channel.unit) is None]
+    return [c if c.name in strange else _in_si(c) for c in channels], strange
+
+
+def _in_si(channel: Channel) -> Channel:
+    unit, factor, offset = to_si(channel.unit)
+    if not channel.unit or (factor, offset) == (1.0, 0.0):
+        return channel  # to the last bit, -0.0 too
+    return replace(channel, values=channel.values * factor + offset, unit=unit)
 
 
 def _check_time(path: Path, channel: Channel) -> None:
@@ -93,7 +105,7 @@ def _of_csv(path: Path) -> list[Channel]:
     except OSError as error:
         raise ConfigError(f"{path}: cannot read it: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not UTF-8 text") from error
+        raise ConfigError(not_utf8(path)) from error
     head = text.partition("\n")[0]
     delimiter = max(DELIMITERS, key=head.count)
     rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if row]
@@ -106,11 +118,22 @@ def _of_csv(path: Path) -> list[Channel]:
     columns: list[list[float]] = [[] for _ in names]
     for line, row in enumerate(rows[1:], 2):
         if len(row) != len(names):
-            raise ConfigError(f"{path}: row {line} has {len(row)} cells, the header {len(names)}")
+            hint = "; decimals are written with a point" if delimiter == "," else ""
+            said = f"{path}: row {line} has {len(row)} cells, the header {len(names)}"
+            raise ConfigError(said + hint if len(row) > len(names) else said)
         for column, (name, _), cell in zip(columns, names, row, strict=True):
             column.append(_number(path, line, name, cell, decimal_comma))
     time, *values = (np.array(column) for column in columns)
+    time = time * _seconds(path, names[0][1])
     return [_present(n, u, time, v) for (n, u), v in zip(names[1:], values, strict=True)]
+
+
+def _seconds(path: Path, unit: str) -> float:
+    """Return how long the unit of the time column is [s]; none means seconds."""
+    known = find(unit or "s")
+    if known is None or known.exponents != (("s", 1),):
+        raise ConfigError(f"{path}: the time is in '{unit}'; it must be in s or ms")
+    return known.factor
 
 
 def _split(cell: str) -> tuple[str, str]:

@@ -53,7 +53,9 @@ class Linker:
         theirs = self._theirs.get(entry.variable)
         if theirs is None:
             same = [n for n, v in self._theirs.items() if v.causality == causality]
-            raise self._error(entry, f"the FMU has no such variable.{self._hint(entry, same)}")
+            hint = self._hint(entry, same) or " Is it the FMU this mapping was written for?"
+            who = self._description.modelName
+            raise self._error(entry, f"{who} has no such variable.{hint}")
         if theirs.causality != causality:
             raise self._error(entry, f"is of causality {theirs.causality}, not {causality}")
         ours = self._contract.variables.get(entry.name) or self._own(entry, theirs)

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import ConfigError, instant, unreadable
+from ..errors import ConfigError, instant, not_utf8, unreadable
+from ..units import HEADER
 
 INSTANT = 1e-9  # s; times that differ by less are one
 
@@ -58,7 +59,7 @@ def load(path: Path | None) -> Scenario:
     except OSError as error:
         raise ConfigError(unreadable(path, "scenario", error, ".csv")) from error
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not UTF-8 text") from error
+        raise ConfigError(not_utf8(path)) from error
     if len(rows) < 2:
         raise ConfigError(f"{path}: needs a header and at least one row")
     names = [name.strip() for name in rows[0][1]]
@@ -70,20 +71,26 @@ def load(path: Path | None) -> Scenario:
 
 
 def _check_header(path: Path, names: list[str]) -> None:
+    convert = f"`dct-harness convert {path} scenario.csv`"
     if names[0] != "time":
+        said = f"{path}:1: the first column must be 'time' [s], not '{names[0]}'"
         other = any(sign in names[0] for sign in ";\t")
-        hint = "; columns are separated by commas (`dct-harness convert` reads others)"
-        raise ConfigError(
-            f"{path}:1: the first column must be 'time', not '{names[0]}'{hint if other else ''}"
-        )
+        hint = f"; columns are separated by commas: {convert} does that, decimal commas too"
+        raise ConfigError(said + hint if other else said)
     for name in names:
+        if stated := HEADER.match(name):
+            raise ConfigError(
+                f"{path}:1: column '{name}': values are in SI units, and names stand alone: "
+                f"{convert} makes them '{stated['name']}'"
+            )
         if not name or names.count(name) > 1:
             raise ConfigError(f"{path}:1: column name '{name}' is empty or used twice")
 
 
 def _numbers(path: Path, line: int, names: list[str], row: list[str]) -> list[float]:
     if len(row) != len(names):
-        raise ConfigError(f"{path}:{line}: has {len(row)} cells, the header has {len(names)}")
+        hint = "; decimals are written with a point" if len(row) > len(names) else ""
+        raise ConfigError(f"{path}:{line}: has {len(row)} cells, the header has {len(names)}{hint}")
     return [_number(path, line, name, cell) for name, cell in zip(names, row, strict=True)]
 
 

@@ -78,6 +78,7 @@ class System:
         if component not in self.components:
             known = ", ".join(self.components)
             hint = did_you_mean(component, self.components)
+            hint = hint or f" Write COMPONENT.{key.strip()}, with one of these before it."
             what = f"{self.path} has no component '{component}' ({known}).{hint}"
             raise ConfigError(f"--set {text}: {what}")
         self.components[component].parameters[variable] = parse_value(value.strip())

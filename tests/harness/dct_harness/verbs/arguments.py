@@ -89,7 +89,8 @@ def _checked(text: str, is_good: Callable[[float], bool], what: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        value = math.nan
+        said = f"'{text}' is not {what}: write the number alone, with a decimal point"
+        raise argparse.ArgumentTypeError(said) from None
     if not (math.isfinite(value) and is_good(value)):
         raise argparse.ArgumentTypeError(f"'{text}' is not {what}")
     return value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -44,12 +45,24 @@ def _time(text: str) -> float:
     return value
 
 
+def _without_units(channels: list[measured.Channel]) -> list[measured.Channel]:
+    """Return channels in SI units: CSV has no place for others. Tells which have an unknown one."""
+    found, strange = measured.in_si(channels)
+    units = {c.name: c.unit for c in channels}
+    for name in strange:
+        what = f"'{name}' is in '{units[name]}', which is not known: its values stay as they are"
+        print(what, file=sys.stderr)
+    return found
+
+
 def convert(args: argparse.Namespace) -> int:
     """Write the target; returns 0."""
     formats.require(args.target)
     channels = measured.read(args.source)
     if args.map:
         channels = measured.Mapping.load(args.map).apply(channels)
+    elif args.target.suffix.lower() == ".csv":
+        channels = _without_units(channels)
     if args.only:
         channels = [c for c in channels if any(fnmatchcase(c.name, g) for g in args.only)]
     if not channels:

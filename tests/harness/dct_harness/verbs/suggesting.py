@@ -14,11 +14,12 @@ UNKNOWN = re.compile(r"unrecognized arguments:.*?(?<=\s)(--?\w[\w-]*)")
 
 
 class Parser(argparse.ArgumentParser):
-    """As argparse, with a hint at the end of an error."""
+    """As argparse, with a hint at the end of an error instead of all options before it."""
 
     def error(self, message: str) -> NoReturn:
-        """Print usage and error with the nearest known word; exit with code 2."""
-        super().error(message + self._hint(message))
+        """Print the error with the nearest known word, or where all are; exit with code 2."""
+        hint = self._hint(message) or f"\n`{self.prog} --help` shows what there is"
+        self.exit(2, f"{self.prog}: {message}{hint}\n")
 
     def _hint(self, message: str) -> str:
         if "did you mean" in message.lower():  # Python 3.14 may do so itself
