@@ -18,6 +18,7 @@ ARGUMENTS = (
     "--disable-background-networking", "--disable-component-update",
 )  # fmt: skip
 LAPTOP = {"width": 1366, "height": 768}
+SHEET = (1030, 640)  # px of an A4 page across: 297 mm less margins of 12 mm, at 96 px an inch
 DRAWN = "html[data-figures=drawn]"
 PATIENCE = 60_000  # ms; about 2 s are needed, a busy machine may be slow
 ZOOM = (8.5, 11.5)  # s, the upshift
@@ -123,6 +124,24 @@ def test_figures_fit_a_laptop(visit: Visit) -> None:
         ".plot[id^=torques]", "plots => plots.map(p => p.offsetHeight)"
     )
     assert max(heights) <= LAPTOP["height"]
+
+
+def test_figures_fit_the_sheet_they_are_printed_on(visit: Visit) -> None:
+    """A sheet is narrower than a laptop: figures were cut off after 26 of 30 s."""
+    sizes = """() => [...document.querySelectorAll(".plot")].map(
+      (p) => [p._fullLayout.width, p._fullLayout.height, p.clientWidth, p.clientHeight])"""
+    before = visit.page.evaluate(sizes)
+    visit.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    for width, height, *_ in visit.page.evaluate(sizes):
+        assert (width, height <= SHEET[1]) == (SHEET[0], True)
+    visit.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    visit.page.wait_for_function(f"(was) => JSON.stringify(({sizes})()) === JSON.stringify(was)",
+                                 arg=before)  # fmt: skip
+    visit.page.emulate_media(media="print")
+    margins = visit.page.evaluate("""() => [...document.styleSheets[0].cssRules].filter(
+      (r) => r instanceof CSSPageRule).map((r) => [r.style.size, r.style.margin])""")
+    assert margins == [["a4 landscape", "12mm"]]
+    assert visit.complaints == []
 
 
 def assert_shared(page: Page, start: float, end: float, tolerance: float) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..contract import plant as plant_contract
 from .against import Finding
 from .mapped import Mapped
 
@@ -91,7 +92,8 @@ def _judge(wanted: list[Sign], signals: Signals) -> list[Finding]:
             value = sign.value(signals, sign.signal)
             wrong = not value > sign.least
             text = "ok" if not wrong else "wrong sign or no effect: try factor = -1"
-            found.append(Finding(sign.text, sign.signal, f"{text} ({value:.3g})", wrong))
+            unit = plant_contract().unit(sign.signal).name
+            found.append(Finding(sign.text, sign.signal, f"{text} ({value:.3g} {unit})", wrong))
     return found
 
 

@@ -12,6 +12,7 @@
   const BEFORE = { width: 1.3, dash: "dot" }; // a line of the run to compare with
   const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40, letter: 6 };
   const NARROW = 1000; // page width [px] below which panels stand below each other
+  const SHEET = { width: 1030, height: 640 }; // [px] of an A4 page across, with a heading
   const CONFIG = {
     responsive: true, displaylogo: false, scrollZoom: false, doubleClick: false,
     modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "resetScale2d"],
@@ -115,9 +116,9 @@
   }
 
   // Names of the phases in sight, where they have room.
-  function namesOf(spec) {
+  function namesOf(spec, outer = document.getElementById(spec.id).clientWidth) {
     const [a, b] = range ?? spec.range;
-    const width = document.getElementById(spec.id).clientWidth - PIXELS.left - PIXELS.right;
+    const width = outer - PIXELS.left - PIXELS.right;
     const seen = spec.phases.map((p) => ({ text: p.name, x0: Math.max(a, p.start), x1: Math.min(b, p.end) }));
     return seen.filter((p) => ((p.x1 - p.x0) / (b - a)) * width > PIXELS.letter * p.text.length).map((p) => ({
       text: p.text, xref: "x", yref: "paper", x: (p.x0 + p.x1) / 2, y: 1, yanchor: "bottom",
@@ -248,6 +249,20 @@
     }
   }
 
+  // Paper has a size of its own. Printing does not wait: what plotly.js draws at once is printed.
+  function fit(sheet) {
+    for (const spec of specs) {
+      const div = document.getElementById(spec.id);
+      if (!div.data) continue;
+      const height = sheet ? Math.min(spec.height, sheet.height) : spec.height;
+      div.style.height = `${height}px`;
+      const annotations = [...namesOf(spec, sheet?.width), ...headingsOf(spec, place(spec))];
+      Plotly.relayout(div, { width: sheet?.width ?? null, autosize: !sheet, height, annotations });
+    }
+  }
+
+  window.addEventListener("beforeprint", () => fit(SHEET));
+  window.addEventListener("afterprint", () => fit(null));
   menu.addEventListener("change", () => {
     share(menu.value ? menu.value.split(",").map(Number) : null, null);
   });

@@ -57,6 +57,14 @@
   }
 
   document.querySelectorAll("button.copy").forEach((b) => b.addEventListener("click", () => copy(b)));
+  // Paper has a width of its own [px]: an A4 page across, without its margins.
+  function fit(width) {
+    const drawn = specs.map((s) => document.getElementById(s.id)).filter((div) => div.data);
+    drawn.forEach((div) => Plotly.relayout(div, { width, autosize: width === null }));
+  }
+
+  window.addEventListener("beforeprint", () => fit(1030));
+  window.addEventListener("afterprint", () => fit(null));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
   drawAll();
 })();
