@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from dct_harness.errors import ConfigError
+from dct_harness.errors import ConfigError, FmuRuntimeError, HarnessError
 from dct_harness.sweep import on_dask
 from dct_harness.sweep.bundle import BLOBS, Bundle
 from dct_harness.sweep.cases import Job
@@ -128,11 +128,12 @@ def test_a_run_that_fails_is_tried_again_on_another_worker(
     """One of three workers is broken: it fails whatever it gets, no run meets it twice."""
     made: dict[int, list[str]] = {}
 
-    def broken(setup: Setup, job: Job) -> tuple[Row, bool]:
+    def broken(setup: Setup, job: Job) -> tuple[Row, HarnessError | None]:
         worker = get_worker().address
         made.setdefault(job.number, []).append(worker)
         bad = worker == workers[0]
-        return {"run": job.number, "verdict": "exit 3" if bad else "not judged"}, bad
+        row = {"run": job.number, "verdict": "exit 4" if bad else "not judged"}
+        return row, FmuRuntimeError("broken") if bad else None
 
     monkeypatch.setattr(on_dask, "attempt", broken)
     monkeypatch.setenv("TMPDIR", str(tmp_path))

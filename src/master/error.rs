@@ -111,6 +111,16 @@ impl Error {
         matches!(self, Self::Load { .. } | Self::Platform { .. })
     }
 
+    /// `name` is `value` at `time` [s].
+    pub(crate) fn no_number(name: &str, value: f64, time: f64) -> Self {
+        Self::Value {
+            name: name.to_owned(),
+            value,
+            time,
+            what: "no finite number",
+        }
+    }
+
     pub(crate) fn variable(name: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Variable {
             name: name.into(),

@@ -132,6 +132,12 @@ impl Fmu {
         done.map_err(|failure| self.failed(failure))
     }
 
+    /// Reads other variables of it.
+    pub fn get(&mut self, signals: &mut Signals, values: &mut [f64]) -> Result<(), Error> {
+        let done = signals.get(&mut self.instance, values);
+        done.map_err(|failure| self.failed(failure))
+    }
+
     /// Reads the time derivatives of the outputs in use; 0 of those that have none.
     pub fn get_slopes(&mut self, slopes: &mut [f64]) -> Result<(), Error> {
         let done = self.told.get(&mut self.instance, slopes);

@@ -67,6 +67,7 @@ mod parallel;
 mod part;
 pub mod plan;
 mod recorder;
+mod rest;
 mod run;
 mod scenario;
 mod signals;

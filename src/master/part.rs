@@ -9,6 +9,7 @@ use crate::gather::Gather;
 use crate::library::Library;
 use crate::mapped::{self, Translator};
 use crate::plan::{Component, Value};
+use crate::rest::Rest;
 use crate::world::Read;
 use cosim_raw::Log;
 use std::collections::HashMap;
@@ -23,6 +24,7 @@ pub struct Part {
     /// Its outputs in the world.
     pub outputs: Range<usize>,
     translator: Option<Translator>,
+    rest: Rest,
     substeps: u32,
     library: Arc<Library>,
     /// Names of its FMU's variables that are set and read, and which inputs may have slopes.
@@ -59,6 +61,7 @@ impl Part {
             gather: Gather::new(&component.name, &component.inputs, places)?,
             outputs: first..first + read.names.len(),
             translator: translator.transpose()?,
+            rest: Rest::new(&component.name, &read.rest),
             substeps: component.substeps.max(1),
             library: library.clone(),
             follows: follows(&component, &inputs),
@@ -99,6 +102,11 @@ impl Part {
                 translator.receive(places, self.time)
             }
         }
+    }
+
+    /// Looks at the outputs that nobody reads, at `time` [s].
+    pub fn look(&mut self, time: f64) -> Result<(), Error> {
+        self.rest.look(&mut self.fmu, time)
     }
 
     /// Advances with the gathered inputs, in equal parts.

@@ -23,7 +23,8 @@ pub struct Plan {
     #[serde(default)]
     pub log: bool,
     /// Signals that are kept of every step; all of them when none are named. Outputs that are
-    /// neither kept nor read by an input are not asked for.
+    /// neither kept nor read by an input are not asked for, but for a look at every 128th point and
+    /// at the first and last: one that is no number then ends the run.
     #[serde(default)]
     pub record: Option<Vec<String>>,
 }

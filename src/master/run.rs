@@ -7,6 +7,7 @@ use crate::live::Live;
 use crate::part::Part;
 use crate::plan::{Coupling, Plan};
 use crate::recorder::Recorder;
+use crate::rest;
 use crate::slopes::Slopes;
 use crate::watch::Watch;
 use crate::world;
@@ -110,7 +111,9 @@ impl Run {
         };
         let mut done = self.initialize(plan, times, scripted(0));
         if done.is_ok() {
-            done = self.record(&mut recorder, 0.0);
+            done = self
+                .record(&mut recorder, 0.0)
+                .and_then(|()| self.look(0.0));
         }
         for (k, pair) in times.windows(2).enumerate() {
             let &[time, next] = pair else { break };
@@ -122,11 +125,15 @@ impl Run {
             }
             let script = (scripted(k), scripted(k + 1));
             done = self.pass((time, next), script, &mut recorder);
+            if done.is_ok() && (k + 1).is_multiple_of(rest::EVERY) {
+                done = self.look(next);
+            }
         }
         if matches!(done, Err(Error::Over { .. })) && recorder.good() == times.len() {
             done = Ok(());
         }
-        (recorder.good(), done)
+        let last = times.last().copied().unwrap_or_default();
+        (recorder.good(), done.and_then(|()| self.look(last)))
     }
 
     /// Goes from one communication point [s] to the next and records it; an FMU may ask to end the simulation there.
@@ -231,6 +238,12 @@ impl Run {
         Err(self.no_number(time))
     }
 
+    /// Looks at the outputs that are neither read nor recorded, at `time` [s].
+    #[cold]
+    fn look(&mut self, time: f64) -> Result<(), Error> {
+        self.parts.iter_mut().try_for_each(|part| part.look(time))
+    }
+
     /// The error of a world with a value that is no number.
     #[cold]
     fn no_number(&self, time: f64) -> Error {
@@ -242,12 +255,7 @@ impl Run {
         let (name, value) = bad.map_or(("a signal", f64::NAN), |(name, value)| {
             (name.as_str(), *value)
         });
-        Error::Value {
-            name: name.to_owned(),
-            value,
-            time,
-            what: "no finite number",
-        }
+        Error::no_number(name, value, time)
     }
 }
 

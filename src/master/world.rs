@@ -11,6 +11,8 @@ use std::collections::{HashMap, HashSet};
 pub struct Read<'a> {
     /// Variables of the FMU.
     pub variables: Vec<&'a Variable>,
+    /// Its other outputs.
+    pub rest: Vec<&'a Variable>,
     /// Names that the loop has for its outputs, with the component's before a dot.
     pub names: Vec<String>,
     /// Which of those may have slopes.
@@ -26,11 +28,13 @@ impl<'a> Read<'a> {
                 names: variables.iter().map(|v| full(&v.name)).collect(),
                 moving: variables.iter().map(|v| v.continuous).collect(),
                 variables,
+                rest: vec![],
             };
         };
         let moving = mapped.outputs.iter().map(|link| link.moves);
         Self {
             variables: mapped::outputs(mapped, description),
+            rest: vec![],
             names: mapped::names(mapped).iter().map(|n| full(n)).collect(),
             moving: moving.chain(mapped.sums.iter().map(|s| s.moves)).collect(),
         }
@@ -42,6 +46,8 @@ impl<'a> Read<'a> {
             return;
         }
         let keep: Vec<bool> = self.names.iter().map(|n| wanted.contains(n)).collect();
+        let left: Vec<bool> = keep.iter().map(|keep| !keep).collect();
+        self.rest = kept(self.variables.clone(), &left);
         self.variables = kept(std::mem::take(&mut self.variables), &keep);
         self.names = kept(std::mem::take(&mut self.names), &keep);
         self.moving = kept(std::mem::take(&mut self.moving), &keep);

@@ -10,9 +10,13 @@ import numpy as np
 
 
 class HarnessError(Exception):
-    """Base of all errors that the command line reports as one sentence."""
+    """Base of all errors that the command line reports as one sentence.
+
+    `in_part`: the run that it ended recorded some of its signals only.
+    """
 
     exit_code = 2
+    in_part = False
 
 
 class ConfigError(HarnessError):

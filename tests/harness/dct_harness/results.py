@@ -27,11 +27,15 @@ RUN_JSON = "run.json"
 
 @dataclass(frozen=True)
 class Results:
-    """Signals of one run by name, in SI units, all of shape (number of samples,)."""
+    """Signals of one run by name, in SI units, all of shape (number of samples,).
+
+    `unkept`: signals that the run has but did not record: they are in it, to read one is an error.
+    """
 
     signals: dict[str, np.ndarray]
     run: dict[str, Any]
     path: Path | None = None
+    unkept: frozenset[str] = frozenset()
 
     @property
     def time(self) -> np.ndarray:
@@ -43,10 +47,12 @@ class Results:
         try:
             return self.signals[name]
         except KeyError:
+            if name in self.unkept:
+                raise KeyError(f"'{name}' was not recorded in this run") from None
             raise KeyError(f"no signal '{name}'.{did_you_mean(name, self.signals)}") from None
 
     def __contains__(self, name: object) -> bool:
-        return name in self.signals
+        return name in self.signals or name in self.unkept
 
 
 def check_writable(out: Path) -> None:

@@ -6,6 +6,7 @@ does not have is left out, so a supplier's plant without clutch states still get
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import asdict
 from typing import Any
 
@@ -16,7 +17,11 @@ from .scopes import Phase, load_phases
 from .table import format_table
 from .tracking import compare_feedback
 
-__all__ = ["KPIS", "Kpi", "Phase", "compare_feedback", "compute", "format_table", "load_phases"]
+__all__ = [
+    "KPIS", "Kpi", "Phase", "compare_feedback", "compute", "format_table", "load_phases", "reads",
+]  # fmt: skip
+WHOLE = (estimation, timing, tracking, shift)  # what has KPIs of the scenario as a whole
+PARTS = (handover,)  # and what has none
 
 
 def compute(results: Results, run: dict[str, Any], whole: bool = False) -> dict[str, Any]:
@@ -40,10 +45,19 @@ def compute(results: Results, run: dict[str, Any], whole: bool = False) -> dict[
     """
     whole = whole and limits.on_whole(run)
     phases = None if whole else load_phases(results, run)
-    modules = (estimation, timing, tracking, shift, handover)
+    modules = WHOLE if whole else (*WHOLE, *PARTS)
     rows = [row.as_dict() for module in modules for row in module.rows(results, phases)]
     judged = limits.judge(run, rows)
     return {
         "phases": [asdict(phase) for phase in phases or ()], "rows": rows, "limits": judged,
         "verdict": limits.verdict(run, judged),
     }  # fmt: skip
+
+
+def reads(known: Collection[str], run: dict[str, Any]) -> set[str]:
+    """Return the signals that KPIs of the scenario as a whole are of, and those that limits need.
+
+    `known`: names of all signals of a run; `run` as for `compute`.
+    """
+    modules = WHOLE if limits.on_whole(run) else (*WHOLE, *PARTS)
+    return {name for module in modules for name in module.reads(known)}

@@ -6,7 +6,7 @@ torques counts by its own name: several methods side by side at one plant.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -31,6 +31,13 @@ def estimates(results: Results) -> dict[str, str]:
 
 def _tells(results: Results, prefix: str) -> bool:
     return any(prefix + torque in results for torque in TORQUES)
+
+
+def reads(known: Collection[str]) -> Iterator[str]:
+    """Yield which of the known signals `rows` may read."""
+    for name in known:
+        if name.removeprefix(ESTIMATES[MAP]) in TORQUES or name.partition(".")[2] in TORQUES:
+            yield name
 
 
 def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +11,10 @@ from ..results import Results
 from . import registry
 from .filters import low_pass
 from .rows import Row
-from .scopes import CLUTCHES, Phase, clutch_state
+from .scopes import CLUTCHES, Phase, clutch_state, states
 
 BEGUN, DONE = 0.05, 0.95  # of the way between the two synchronous speeds
+SHAFT = "plant.driveShaft.torque"
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,21 @@ def shifts(results: Results) -> list[Shift]:
     ]  # fmt: skip
 
 
+def reads(known: Collection[str]) -> Iterator[str]:
+    """Yield which of the known signals `rows` may read."""
+    yield from states(known)
+    yield from (name for name in (SHAFT, *_slips(CLUTCHES), *_speeds()) if name in known)
+
+
+def _slips(clutches: tuple[str, ...]) -> list[str]:
+    return [f"plant.{clutch}.slip" for clutch in clutches]
+
+
+def _speeds() -> list[str]:
+    """Return the names of the engine's speed and of both synchronous ones."""
+    return ["plant.engine.speed", *(f"plant.{clutch}.speed" for clutch in CLUTCHES)]
+
+
 def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     """Yield the KPIs of every shift; phases of the scenario play no part."""
     del phases
@@ -77,7 +93,7 @@ def inertia_phase(results: Results, shift: Shift) -> float | None:
 
     Its way is slip_off / (slip_off − slip_on): 0 on the off-going, 1 on the on-coming gear.
     """
-    names = [f"plant.{clutch}.slip" for clutch in (shift.off, shift.on)]
+    names = _slips((shift.off, shift.on))
     if any(name not in results for name in names):
         return None
     off, on = (results[name][shift.samples] for name in names)
@@ -93,11 +109,10 @@ def inertia_phase(results: Results, shift: Shift) -> float | None:
 
 def torque_hole(results: Results, shift: Shift) -> float | None:
     """Return how far the drive-shaft torque falls short of the line from before to after [N·m]."""
-    name = "plant.driveShaft.torque"
-    if name not in results:
+    if SHAFT not in results:
         return None
     step = float(np.median(np.diff(results.time)))
-    torque = low_pass(results[name], step, registry.JERK_CUTOFF)[shift.samples]
+    torque = low_pass(results[SHAFT], step, registry.JERK_CUTOFF)[shift.samples]
     time = results.time[shift.samples]
     line = np.interp(time, time[[0, -1]], torque[[0, -1]])
     sense = 1.0 if line.mean() >= 0 else -1.0
@@ -106,7 +121,7 @@ def torque_hole(results: Results, shift: Shift) -> float | None:
 
 def engine_flare(results: Results, shift: Shift) -> float | None:
     """Return how far the engine runs above both synchronous speeds [rad/s]."""
-    names = ["plant.engine.speed", *(f"plant.{clutch}.speed" for clutch in CLUTCHES)]
+    names = _speeds()
     if any(name not in results for name in names):
         return None
     engine, *synchronous = (results[name][shift.samples] for name in names)

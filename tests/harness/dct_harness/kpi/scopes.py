@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -97,9 +98,18 @@ def masks(results: Results, torque: str, phases: list[Phase] | None) -> dict[str
     return phase_masks(results.time, phases) | state_masks(results, torque)
 
 
+def states(known: Collection[str]) -> Iterator[str]:
+    """Yield the known signals that tell the states of the clutches."""
+    yield from (name for clutch in CLUTCHES if (name := _state(clutch)) in known)
+
+
+def _state(clutch: str) -> str:
+    return f"plant.{clutch}.state"
+
+
 def clutch_state(results: Results, clutch: str) -> np.ndarray | None:
     """Return the plant's state of a clutch, shape (n,), or None if the plant does not tell."""
-    name = f"plant.{clutch}.state"
+    name = _state(clutch)
     return results[name].astype(int) if name in results else None
 
 

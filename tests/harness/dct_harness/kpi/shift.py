@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Container, Iterator
 
 import numpy as np
 
@@ -10,7 +10,20 @@ from ..results import Results
 from . import registry
 from .filters import low_pass, weight_d
 from .rows import Row, rms
-from .scopes import CLUTCHES, Phase, clutch_state, phase_masks
+from .scopes import CLUTCHES, Phase, clutch_state, phase_masks, states
+
+ACCELERATION, SPEED = "plant.vehicle.acceleration", "plant.vehicle.speed"
+
+
+def reads(known: Collection[str]) -> Iterator[str]:
+    """Yield which of the known signals `rows` may read."""
+    yield from states(known)
+    yield from _motion(known)
+    for clutch in CLUTCHES:
+        power = _power(known, clutch)
+        yield from power
+        if power and _energy(clutch) in known:
+            yield _energy(clutch)
 
 
 def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
@@ -41,11 +54,15 @@ def acceleration(results: Results) -> np.ndarray | None:
     """Return the vehicle's acceleration [m/s²], shape (n,); from its speed if need be."""
     if len(results.time) < 3:
         return None
-    if "plant.vehicle.acceleration" in results:
-        return results["plant.vehicle.acceleration"]
-    if "plant.vehicle.speed" in results:
-        return np.gradient(results["plant.vehicle.speed"], results.time)
+    for name in _motion(results):
+        values = results[name]
+        return values if name == ACCELERATION else np.gradient(values, results.time)
     return None
+
+
+def _motion(known: Container[str]) -> tuple[str, ...]:
+    """Return the one signal that the acceleration is made of, if there is one."""
+    return next(((name,) for name in (ACCELERATION, SPEED) if name in known), ())
 
 
 def _doses(results: Results, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
@@ -61,24 +78,33 @@ def _doses(results: Results, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
 
 def friction_power(results: Results, clutch: str) -> np.ndarray | None:
     """Return the friction power of a clutch [W], shape (n,), or None if it cannot be known."""
-    direct, torque, slip = (
-        f"plant.{clutch}.{name}" for name in ("frictionPower", "torque", "slip")
+    parts = [results[name] for name in _power(results, clutch)]
+    if not parts:
+        return None
+    power, *slip = parts
+    if slip:
+        return power * (slip[0] if len(slip) == 1 else slip[0] - slip[1])
+    return power
+
+
+def _power(known: Container[str], clutch: str) -> tuple[str, ...]:
+    """Return what a friction power is made of: itself, or torque and slip, or torque and speeds."""
+    direct, torque, slip, speed = (
+        f"plant.{clutch}.{name}" for name in ("frictionPower", "torque", "slip", "speed")
     )
-    if direct in results:
-        return results[direct]
-    if torque in results and slip in results:
-        return results[torque] * results[slip]
-    speeds = ("plant.damper.speed", f"plant.{clutch}.speed")
-    if torque in results and all(name in results for name in speeds):
-        return results[torque] * (results[speeds[0]] - results[speeds[1]])
-    return None
+    ways = ((direct,), (torque, slip), (torque, "plant.damper.speed", speed))
+    return next((way for way in ways if all(name in known for name in way)), ())
+
+
+def _energy(clutch: str) -> str:
+    return f"plant.{clutch}.frictionEnergy"
 
 
 def _friction(results: Results, clutch: str, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
     power = friction_power(results, clutch)
     if power is None or len(power) < 2:
         return
-    total = f"plant.{clutch}.frictionEnergy"
+    total = _energy(clutch)
     pieces = np.diff(results.time) * (power[1:] + power[:-1]) / 2
     energy = results[total] if total in results else np.concatenate([[0.0], np.cumsum(pieces)])
     for scope, mask in scopes.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,15 @@ import numpy as np
 from ..results import Results
 from . import registry
 from .estimation import MAP, TORQUES, estimates
+from .estimation import reads as torques_of
 from .rows import Row, rms
-from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, masks
+from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, masks, states
+
+
+def reads(known: Collection[str]) -> Iterator[str]:
+    """Yield which of the known signals `rows` may read."""
+    yield from torques_of(known)
+    yield from states(known)
 
 
 def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:

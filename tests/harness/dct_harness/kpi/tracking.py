@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
@@ -10,14 +10,25 @@ import numpy as np
 from ..results import Results
 from . import registry
 from .rows import Row, rms
-from .scopes import CLUTCHES, SCENARIO, Phase, clutch_state, phase_masks
+from .scopes import CLUTCHES, SCENARIO, Phase, clutch_state, phase_masks, states
 
 BOTH = "clutches"
 
 
+def reads(known: Collection[str]) -> Iterator[str]:
+    """Yield which of the known signals `rows` may read."""
+    yield from states(known)
+    yield from (name for clutch in CLUTCHES for name in _ends(clutch) if name in known)
+
+
+def _ends(clutch: str) -> tuple[str, str]:
+    """Return the names of a request and of the torque that is to follow it."""
+    return f"scenario.{clutch}.torqueRequest", f"plant.{clutch}.torque"
+
+
 def error(results: Results, clutch: str) -> np.ndarray | None:
     """Return |T_c| − request [N·m], shape (n,), NaN unless the clutch slips; None if unknown."""
-    request, torque = f"scenario.{clutch}.torqueRequest", f"plant.{clutch}.torque"
+    request, torque = _ends(clutch)
     state = clutch_state(results, clutch)
     if state is None or request not in results or torque not in results:
         return None

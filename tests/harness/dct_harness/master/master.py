@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, cast
@@ -26,6 +26,7 @@ from .interpolation import Interpolation
 from .noise import Noise
 from .signals import describe
 
+Wanted = Callable[[list[str]], Collection[str]]  # of the names of all signals those to record
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 
@@ -66,6 +67,8 @@ class Run:
         self.system, self.paths, self.mapping = system, paths, mapping
         self.limits = limits or Limits()
         self.names: list[str] = []
+        self.kept: list[str] = []  # names of the columns of `rows`
+        self.wanted: Wanted | None = None  # which signals to record; an engine may record all
         self.rows = np.zeros((0, 0))
         self.fmus: dict[str, Fmu | Mapped] = {}
         self.identities: dict[str, dict[str, str]] = {}
@@ -144,6 +147,7 @@ class Run:
         columns += list(self.noise.samples(len(self.times)).T)
         self.script = np.array(columns).T.reshape(len(self.times), len(columns))
         self.names += [*self.noise.columns, *outputs]
+        self.kept = self.names
         self.loops = algebraic_loops(self.fmus, self.sources)
         self._jacobi = self.system.coupling == "jacobi"
         read = {**self.sources, **dict(zip(self.noise.names, self.noise.columns, strict=True))}
@@ -258,13 +262,13 @@ class Run:
 
     def table(self) -> tuple[list[str], np.ndarray]:
         """Return column names and rows, `time` first."""
-        return ["time", *self.names], np.column_stack([self.times[: len(self.rows)], self.rows])
+        return ["time", *self.kept], np.column_stack([self.times[: len(self.rows)], self.rows])
 
     def events(self) -> list[dict[str, Any]]:
         """Return each change of an integer or enumeration output."""
         found = []
-        for name in sorted(self.discrete) if len(self.rows) else ():
-            column = self.rows[:, self.names.index(name)]
+        for name in sorted(self.discrete.intersection(self.kept)) if len(self.rows) else ():
+            column = self.rows[:, self.kept.index(name)]
             component, _, variable = name.partition(".")
             for k in np.flatnonzero(np.diff(column)) + 1:
                 found.append({
@@ -284,7 +288,7 @@ class Run:
             "reached": float(self.times[len(self.rows) - 1]) if len(self.rows) else None,
             "status": "partial" if error else "complete", "error": str(error) if error else None,
             "fmus": self.identities, "parameters": self.parameters, "events": self.events(),
-            "signals": self.signals,
+            "signals": {n: s for n, s in self.signals.items() if n in ("time", *self.kept)},
             "coupling": {
                 "order": self.system.coupling, "loops": self.loops,
                 "delayed": delayed(list(self.fmus), self.sources, self.system.coupling),
@@ -302,8 +306,9 @@ class Run:
     def _out_of_range(self) -> list[dict[str, Any]]:
         """Return a warning for each output that has left its declared min and max."""
         found = []
-        for name, (low, high) in ranges(self.fmus).items() if len(self.rows) else ():
-            column = self.rows[:, self.names.index(name)]
+        known = ((n, r) for n, r in ranges(self.fmus).items() if n in self.kept)
+        for name, (low, high) in known if len(self.rows) else ():
+            column = self.rows[:, self.kept.index(name)]
             bad = np.flatnonzero((column < low) | (column > high))
             if bad.size:
                 component, _, variable = name.partition(".")

@@ -16,7 +16,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -71,9 +71,11 @@ class NativeRun(Run):
 
     def _loop(self, progress: Callable[[int, int], None] | None) -> None:
         """Make all rows; those before a failure are kept."""
-        plan = json.dumps(self._plan())
         inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
         foreign = any(isinstance(fmu, Isolated) for fmu in inner)
+        if self.wanted is not None and not foreign:
+            self._narrow(self.wanted(self.names))
+        plan = json.dumps(self._plan())
         last = len(self.times) - 1
 
         def ended(steps: int) -> bool:
@@ -98,6 +100,15 @@ class NativeRun(Run):
         if progress is not None:
             progress(last, last)
 
+    def _narrow(self, wanted: Collection[str]) -> None:
+        """Record some signals only, in the order of all."""
+        places = [k for k, name in enumerate(self.names) if name in wanted]
+        self.kept = [self.names[k] for k in places]
+        first = self._samples[0, places]
+        self._samples = np.empty((len(self.times), len(places)))
+        self._samples[0] = first
+        self.rows = self._samples[:1]
+
     def remove_directories(self) -> None:
         """As `Run.remove_directories`."""
         super().remove_directories()
@@ -112,6 +123,7 @@ class NativeRun(Run):
             "interpolate": self.system.interpolate,
             "log": self.limits.log,
             "script": [n.removeprefix("scenario.") for n in self.names[: self.script.shape[1]]],
+            **({} if self.kept is self.names else {"record": self.kept}),
         }
 
     def _component(self, name: str) -> dict[str, Any]:

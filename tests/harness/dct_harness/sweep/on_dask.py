@@ -24,7 +24,7 @@ from typing import Any
 from ..errors import ConfigError
 from .bundle import Bundle
 from .cases import Job
-from .workers import LOST, TRIES, Row, Setup, attempt
+from .workers import LOST, TRIES, Row, Setup, attempt, may_mend
 
 HERE = "local"  # in place of an address: a cluster of this machine
 GRACE = "30 s"  # to find the scheduler
@@ -118,5 +118,5 @@ def _apart(
     root = bundle.unpack(Path(own), blobs)
     with tempfile.TemporaryDirectory(prefix=f"{RUN}{os.getpid()}-") as out:
         there = replace(setup, common=bundle.moved(setup.common, root), folder=Path(out))
-        row, another = attempt(there, job._replace(words=bundle.moved(job.words, root)))
-    return row, another, worker.address
+        row, error = attempt(there, job._replace(words=bundle.moved(job.words, root)))
+    return row, may_mend(error), worker.address

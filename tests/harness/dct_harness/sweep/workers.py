@@ -16,6 +16,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatch
+from functools import partial
 from multiprocessing import connection, get_context, parent_process
 from pathlib import Path
 from typing import Any
@@ -133,53 +134,71 @@ class Setup:
 
 
 def run_one(setup: Setup, job: Job) -> Row:
-    """Run until it succeeds or its retries are used up; returns the last row."""
-    for _ in range(setup.retries):
-        row, another = attempt(setup, job)
-        if not another:
-            return row
-    return attempt(setup, job)[0]
+    """Run until it succeeds or its retries are used up; returns the last row.
+
+    The first try records what its row needs, the others everything; where there is no other, one
+    is made to keep all signals of a run that fails.
+    """
+    row, error = attempt(setup, job)
+    left = setup.retries
+    while may_mend(error) and (left or (error and error.in_part)):
+        row, error = attempt(setup, job, whole=True)
+        left = max(0, left - 1)
+    return row
 
 
-def attempt(setup: Setup, job: Job) -> tuple[Row, bool]:
-    """Run once; returns the row, and whether another try may mend what went wrong.
+def may_mend(error: HarnessError | None) -> bool:
+    """Return whether another try may mend what went wrong."""
+    return type(error) in REPEATED
+
+
+def attempt(setup: Setup, job: Job, whole: bool = False) -> tuple[Row, HarnessError | None]:
+    """Run once; returns the row and what prevented the run's end.
+
+    `whole`: all signals are recorded, not only those that the row needs.
 
     The row has the chosen values, the verdict and the KPIs of the whole scenario. A run that fails
     does not end the sweep: its verdict is its exit code's name, and `error` says why.
     """
     try:
-        return _done(setup, job), False
+        return _done(setup, job, whole), None
     except (ConfigError, InterruptedRunError):
         raise
     except HarnessError as error:
         row = {"run": job.number, **job.chosen, "verdict": f"exit {error.exit_code}",
                "error": str(error)}  # fmt: skip
-        return row, type(error) in REPEATED
+        return row, error
 
 
-def _done(setup: Setup, job: Job) -> Row:
+def _done(setup: Setup, job: Job, whole: bool) -> Row:
     """Return the row of a run that reaches its end."""
     from ..cli import parser
 
     out = setup.folder / f"run-{job.number:04d}"
     words = [*map(str, (*setup.common, *job.words)), "--out", str(out), "-q"]
-    told, kpis = run_verb.judged(parser().parse_args(words), setup.keep)
-    whole = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
+    needed = None if whole else partial(_matching, setup.signals)
+    told, kpis = run_verb.judged(parser().parse_args(words), setup.keep, needed)
+    values = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
              for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
     courses = _courses(told, setup.signals, setup.every)
     more = {COURSES: courses} if courses else {}
-    return {"run": job.number, **job.chosen, "verdict": kpis["verdict"], **whole, **more}
+    return {"run": job.number, **job.chosen, "verdict": kpis["verdict"], **values, **more}
 
 
 def _courses(told: Results, globs: tuple[str, ...], every: float) -> dict[str, Any]:
     """Return the chosen signals at every so many seconds, `time` first."""
     if not globs:
         return {}
-    names = [n for n in told.signals if any(fnmatch(n, glob) for glob in globs)]
+    names = _matching(globs, list(told.signals))
     lost = next((g for g in globs if not any(fnmatch(n, g) for n in names)), None)
     if lost is not None:
-        hint = did_you_mean(lost, told.signals)
+        hint = did_you_mean(lost, (*told.signals, *told.unkept))
         raise ConfigError(f"keep.signals: no signal of the run is called '{lost}'.{hint}")
     wanted = np.arange(0.0, told.time[-1] + every / 2, every)
     index = np.searchsorted(told.time, wanted - every * 1e-6).clip(max=len(told.time) - 1)
     return {n: told[n][index].tolist() for n in dict.fromkeys(("time", *names))}
+
+
+def _matching(globs: tuple[str, ...], names: list[str]) -> list[str]:
+    """Return the names that at least one of the globs matches."""
+    return [name for name in names if any(fnmatch(name, glob) for glob in globs)]

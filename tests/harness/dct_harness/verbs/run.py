@@ -8,10 +8,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .. import formats, kpi, results
 from ..errors import HarnessError, instant
 from ..master import check_step, watch
-from ..master.master import SCENARIO, Run
+from ..master.master import SCENARIO, Run, Wanted
 from ..master.native import NativeRun
 from ..ssp import calibration
 from . import junit, progress, selection
@@ -89,25 +91,36 @@ def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
     return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
 
 
-def judged(args: argparse.Namespace, keep: bool) -> tuple[results.Results, dict[str, Any]]:
+def judged(
+    args: argparse.Namespace, keep: bool, chosen: Wanted | None = None
+) -> tuple[results.Results, dict[str, Any]]:
     """Return signals and KPIs of a run; only one that fails, or is to `keep`, is written.
+
+    `chosen`: which of its signals the caller needs besides those that the KPIs are of; an engine
+    may then leave out the others.
 
     Raises
     ------
     HarnessError
-        The run did not reach its end.
+        The run did not reach its end; `in_part`: not all of its signals are there to be looked at.
     """
     loop, out = _prepare(args)
+    brief = {"system": loop.system.as_dict(), "status": "complete"}
+    if chosen is not None and not keep:
+        loop.wanted = lambda names: {*chosen(names), *kpi.reads(names, brief)}
     try:
         failure = _execute(loop, out, args)
         if failure is not None or keep:
             record = save(loop, out, failure, args.format)
         if failure is not None:
+            failure.in_part = loop.kept is not loop.names
             raise failure
         if keep:
             return results.from_table(*loop.table(), record, out), _judge(loop, record, out)
-        told = results.from_table(*loop.table(), loop.summary(None), out)
-        return told, kpi.compute(told, told.run, whole=True)
+        unkept = frozenset(loop.names).difference(loop.kept)
+        signals = dict(zip(loop.kept, np.ascontiguousarray(loop.rows.T), strict=True))
+        told = results.Results({"time": loop.times, **signals}, brief, out, unkept)
+        return told, kpi.compute(told, brief, whole=True)
     finally:
         if loop.package is not None:
             loop.package.folder.cleanup()
