@@ -60,8 +60,8 @@ OUTSIDE_AN_FMU = {"serde", "serde_json", "quick-xml", "zip", "fmi", "clap", "lib
 
 CARD = (
     "Cargo.toml", "src", "modelDescription", "fmu-build", "tests", "examples", "benches", "xtask",
-    "README.md", "ARCHITECTURE.md", "PAPER.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE",
-    ".ci/run", ".cargo/config.toml", "rustfmt.toml",
+    "README.md", "ARCHITECTURE.md", "PAPER.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-MIT",
+    "LICENSE-APACHE", ".ci/run", ".cargo/config.toml", "rustfmt.toml",
 )  # fmt: skip
 
 # What no file may hold: a pattern, and what it would mean. Split, so that this file passes.
