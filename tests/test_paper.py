@@ -26,6 +26,7 @@ CURED = 0.05  # relative, of the mean over all seeds
 TORQUES = ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
 BETTER = 2.0  # than map and frozen friction, T_c1, T_c2 and T_o each
 MODEL_LIMIT = 0.1  # % of RMS T_o, promised for the control-oriented model
+PRINTED = 0.1  # %: a unit of the last digit in PAPER.md, as test_paper_tables.py allows
 UNDAMPED = 50.0  # % of RMS T_o that the conventional model misses at least; some 70 are expected
 
 
@@ -192,6 +193,22 @@ def test_every_method_beats_the_map_and_the_frozen_friction(runs: Runs, case: in
         errors = _errors(loop, component)
         for reference in ("observer.mapBased", "nonAdaptive"):
             assert (BETTER * errors <= _errors(loop, reference)).all(), (method, reference, errors)
+
+
+def test_as_fmus_the_methods_miss_what_the_papers_page_tells_of_them(
+    runs: Runs, repo_root: Path
+) -> None:
+    """Its table is computed in process, and by a test of its own compared with that."""
+    lines = (repo_root / "PAPER.md").read_text(encoding="utf-8").splitlines()
+    names, row = (next(x for x in lines if x.startswith(f"| {head} |"))[2:-2].split(" | ")[1:]
+                  for head in ("paper's scenario", "no error"))  # fmt: skip
+    loop = runs("methods_case1")
+    size = np.array([rms(loop[f"plant.{torque}"]) for torque in TORQUES])
+    for name, cell in zip(names, row, strict=True):
+        component = "observer" if name == "paper" else name
+        told = np.array([float(part) for part in cell.split("/")])
+        found = 100 * _errors(loop, component) / size
+        assert (abs(found - told) <= PRINTED).all(), (name, found)
 
 
 def test_observers_beside_one_another_tell_what_each_tells_alone(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -23,6 +24,7 @@ ENGINE_INERTIA = {"antrieb": 0.70, "powertrain": 0.78}  # kg.m2
 FRICTION = {"antrieb": (0.26, 0.22), "powertrain": (0.27, 0.21)}
 LEVER = {"antrieb": 0.098, "powertrain": 0.096}  # m
 ROUNDING = 1e-12  # relative
+HALF = 0.6  # of a unit of the last printed digit: rounding, and another C compiler's libm
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +60,25 @@ def test_observer_beats_the_map_on_both_plants(
         truth = loop[f"plant.{torque}"]
         errors = [rms(loop[f"observer.{p}{torque}"] - truth) for p in ("", "mapBased.")]
         assert errors[0] < errors[1] / 10, torque  # by 16 at the least, measured
+
+
+@pytest.mark.parametrize("name", PLANTS)
+@pytest.mark.parametrize("case", CASES)
+def test_readme_tells_the_errors_that_these_runs_have(
+    loops: dict[tuple[str, str], results.Results], name: str, case: str
+) -> None:
+    text = (EXAMPLE / "README.md").read_text(encoding="utf-8")
+    table = text.partition("| friction assumed |")[2]
+    plants = table.partition("\n")[0].strip("| ").split(" | ")
+    row = re.search(rf"^\| case {case[-1]} \| (.*) \|$", table, re.MULTILINE)
+    cell = row[1].split(" | ")[plants.index(PLANTS[name])]
+    loop, torques = loops[name, case], ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
+    found = [100 * rms(loop[f"observer.{p}{t}"] - loop[f"plant.{t}"]) / rms(loop[f"plant.{t}"])
+             for p in ("", "mapBased.") for t in torques]  # fmt: skip
+    told = re.findall(r"[\d.]+", cell)
+    units = [10.0 ** -len(number.partition(".")[2]) for number in told]
+    for number, value, unit in zip(told, found, units, strict=True):
+        assert abs(float(number) - value) <= HALF * unit, (number, value)
 
 
 @pytest.mark.parametrize("name", PLANTS)
