@@ -210,6 +210,24 @@ def test_the_two_licences_are_what_the_packages_say() -> None:
     assert {p["license"] for p in ours} == {"MIT OR Apache-2.0"}
 
 
+def test_where_things_are_is_told_as_it_is() -> None:
+    """A word in backquotes behind a file is in that file."""
+    page = _text("ARCHITECTURE.md").partition("## Where is")[2].partition("\n## ")[0]
+    found = re.findall(r"`([\w/.]+/[\w.]+)`(?: `(\w+)`)?", page)
+    assert len(found) > 20
+    missing = [f"{name}: {word}" for name, word in found
+               if not (ROOT / name).is_file() or word not in _text(name)]  # fmt: skip
+    assert missing == []
+
+
+@pytest.mark.parametrize("room", ["src/driveline/", "src/driveline/observer/", "src/models/"])
+def test_every_file_of_a_room_has_its_line(room: str) -> None:
+    names = [n.removeprefix(room) for n in _files(".rs") if n.startswith(room)]
+    files = [n for n in names if "/" not in n and n not in ("lib.rs", "mod.rs")]
+    card = _text("ARCHITECTURE.md")
+    assert [n for n in files if not re.search(rf"(?<!\w){re.escape(n)}", card)] == []
+
+
 def _commands() -> list[list[str]]:
     """Return the commands of README.md, split into words, without their remarks."""
     lines = re.findall(r"^    ((?:cargo|dct-harness|python) .*)$", _text("README.md"), re.MULTILINE)
