@@ -52,6 +52,17 @@ def test_scenario_that_is_no_text_is_a_sentence(tmp_path: Path) -> None:
         scenario.load(path)
 
 
+def test_a_scenario_that_was_read_is_not_parsed_again_unless_it_changes(tmp_path: Path) -> None:
+    path = tmp_path / "s.csv"
+    path.write_text("time,u\n0,1\n")
+    first, again = scenario.load(path), scenario.load(path)
+    assert again is first
+    with pytest.raises(ValueError, match="read-only"):
+        first.signals["u"][0] = 2.0
+    path.write_text("time,u\n0,3\n")
+    assert scenario.load(path).signals["u"] == [3.0]
+
+
 def test_reals_are_interpolated_and_integers_held(tmp_path: Path) -> None:
     path = tmp_path / "s.csv"
     path.write_text("\ufefftime, u \r\n0,1\r\n1,3\r\n", encoding="utf-8", newline="")

@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 from dct_harness import kpi
-from dct_harness.kpi import filters, registry
+from dct_harness.kpi import filters, registry, timing
 from dct_harness.results import Results
 from test_kpi import ROUNDING, STEP, TIME, results, sine, states, value
+
+SAME = 1e-9  # relative: costs that differ by less say nothing of a shift
 
 
 @pytest.mark.parametrize("late", [0.0, 0.001, 0.0075, 0.05])
@@ -25,6 +27,30 @@ def test_latency_is_the_delay_of_a_delayed_sine(late: float) -> None:
 def test_constant_torque_tells_no_latency(truth: np.ndarray) -> None:
     run = results(plant__clutch1__torque=truth, observer__clutch1__torque=truth + 1)
     assert value(kpi.compute(run, {}), "estimation.latency") is None
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_search_by_spectra_finds_what_all_shifts_one_by_one_do(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    count, late, longest = draw.integers(300, 3000), draw.integers(0, 260), 250
+    truth = draw.normal(size=count).cumsum() * 10.0 ** draw.uniform(-3, 3)
+    delayed = np.concatenate([np.full(min(late, count), truth[0]), truth])[:count]
+    noisy = delayed + draw.normal(size=count) * 10.0 ** draw.uniform(-12, 2)
+    estimate = (delayed, noisy, np.zeros(count), np.round(delayed))[seed % 4]
+    mask = draw.random(count) < (1.0, 0.4)[seed % 2]
+    mask[0] = True
+    index = np.flatnonzero(mask)
+    index = index[index < count - longest]
+    costs = [np.mean(np.square(estimate[index + k] - truth[index])) for k in range(longest + 1)]
+    near = timing.nearest(truth, estimate, index, longest)
+    assert np.argmin(costs) in near
+    assert len(near) <= longest // 10 or np.ptp(costs) < SAME * max(costs)
+    best = int(np.argmin(costs))
+    found = timing.latency(truth, estimate, mask, STEP)
+    if best in (0, longest):
+        assert found == (None if best else 0.0)
+    else:
+        assert abs(found / STEP - best) <= 0.5
 
 
 def test_latency_beyond_the_search_is_undefined() -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,11 @@ class Results:
     def time(self) -> np.ndarray:
         """Communication points [s]."""
         return self.signals["time"]
+
+    @cached_property
+    def step(self) -> float:
+        """Communication step [s]: the median, as the last one may be shorter."""
+        return float(np.median(np.diff(self.time)))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a signal by `<component>.<variable>`; the error names the nearest one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,5 +43,10 @@ def weight_d(values: np.ndarray, step: float) -> np.ndarray:
     The response is applied to the spectrum of the signal padded with as many zeros.
     """
     count = 2 * len(values)
-    response = weighting_d(np.fft.rfftfreq(count, step))
-    return np.fft.irfft(np.fft.rfft(values, count) * response, count)[: len(values)]
+    return np.fft.irfft(np.fft.rfft(values, count) * _response(count, step), count)[: len(values)]
+
+
+@lru_cache(1)
+def _response(count: int, step: float) -> np.ndarray:
+    """Return Wd at the frequencies of a spectrum of so many samples: of many runs the same."""
+    return weighting_d(np.fft.rfftfreq(count, step))

@@ -111,8 +111,7 @@ def torque_hole(results: Results, shift: Shift) -> float | None:
     """Return how far the drive-shaft torque falls short of the line from before to after [N·m]."""
     if SHAFT not in results:
         return None
-    step = float(np.median(np.diff(results.time)))
-    torque = low_pass(results[SHAFT], step, registry.JERK_CUTOFF)[shift.samples]
+    torque = low_pass(results[SHAFT], results.step, registry.JERK_CUTOFF)[shift.samples]
     time = results.time[shift.samples]
     line = np.interp(time, time[[0, -1]], torque[[0, -1]])
     sense = 1.0 if line.mean() >= 0 else -1.0

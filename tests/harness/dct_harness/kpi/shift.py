@@ -46,8 +46,7 @@ def jerk(results: Results) -> np.ndarray | None:
     values = acceleration(results)
     if values is None:
         return None
-    step = float(np.median(np.diff(results.time)))
-    return np.gradient(low_pass(values, step, registry.JERK_CUTOFF), results.time)
+    return np.gradient(low_pass(values, results.step, registry.JERK_CUTOFF), results.time)
 
 
 def acceleration(results: Results) -> np.ndarray | None:
@@ -70,8 +69,7 @@ def _doses(results: Results, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
     values = acceleration(results)
     if values is None:
         return
-    step = float(np.median(np.diff(results.time)))
-    dose = step * weight_d(values, step) ** 4
+    dose = results.step * weight_d(values, results.step) ** 4
     for scope, mask in scopes.items():
         yield Row(registry.DOSE, "vehicle.acceleration", scope, float(dose[mask].sum() ** 0.25))
 

@@ -14,6 +14,8 @@ from .estimation import reads as torques_of
 from .rows import Row, rms
 from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, masks, states
 
+ROUNDING = 64.0  # eps log2(n) times this is far above what a spectrum of n samples errs by
+
 
 def reads(known: Collection[str]) -> Iterator[str]:
     """Yield which of the known signals `rows` may read."""
@@ -33,7 +35,7 @@ def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
         for name, prefix in observers.items():
             if prefix + torque in results:
                 told = Told(torque, name, results[prefix + torque])
-                yield from _latencies(results.time, truth, told, scopes)
+                yield from _latencies(results.step, truth, told, scopes)
                 yield from _settling(results.time, truth, told, moments)
 
 
@@ -47,36 +49,57 @@ class Told:
 
 
 def _latencies(
-    time: np.ndarray, truth: np.ndarray, told: Told, scopes: dict[str, np.ndarray]
+    step: float, truth: np.ndarray, told: Told, scopes: dict[str, np.ndarray]
 ) -> Iterator[Row]:
     for scope, mask in scopes.items():
-        late = latency(truth, told.values, mask, time)
+        late = latency(truth, told.values, mask, step)
         yield Row(registry.LATENCY, told.torque, scope, late, told.by)
 
 
-def latency(
-    truth: np.ndarray, estimate: np.ndarray, mask: np.ndarray, time: np.ndarray
-) -> float | None:
+def latency(truth: np.ndarray, estimate: np.ndarray, mask: np.ndarray, step: float) -> float | None:
     """Return the shift [s] that makes the estimate fit best; None where nothing can be told.
 
     The mean square of T̂(t + τ) − T(t) is taken at every whole step and its minimum refined by a
     parabola. It is undefined where T is nearly constant, or the minimum is at the longest shift.
     """
     whole = rms(truth)
-    if len(time) < 3 or not np.std(truth[mask]) > registry.LATENCY_VARIES * whole:
+    if len(truth) < 3 or not np.std(truth[mask]) > registry.LATENCY_VARIES * whole:
         return None
-    step = float(np.median(np.diff(time)))
     longest = round(registry.LATENCY_LONGEST / step)
     index = np.flatnonzero(mask)
-    index = index[index < len(time) - longest]
+    index = index[index < len(truth) - longest]
     if not len(index):
         return None
     there = truth[index]
-    costs = np.array([np.mean(np.square(estimate[index + k] - there)) for k in range(longest + 1)])
-    best = int(np.argmin(costs))
+
+    def cost(shift: int) -> float:
+        return float(np.mean(np.square(estimate[index + shift] - there)))
+
+    near = nearest(truth, estimate, index, longest)
+    best = int(near[np.argmin([cost(k) for k in near.tolist()])])
     if best == longest:
         return None
-    return step * (best + _vertex(*costs[best - 1 : best + 2])) if best else 0.0
+    return step * (best + _vertex(*map(cost, range(best - 1, best + 2)))) if best else 0.0
+
+
+def nearest(truth: np.ndarray, estimate: np.ndarray, index: np.ndarray, longest: int) -> np.ndarray:
+    """Return the shifts up to `longest` among which the one of least cost must be, in order.
+
+    By spectra all costs follow at once: Σ (T̂(k + τ) − T(k))² = Σ T̂² − 2 Σ T̂ T + Σ T², sums over
+    the samples k of `index`. Rounding moves none by more than `doubt`, so no shift whose cost lies
+    more than twice that above the least is it.
+    """
+    count = 1 << (len(truth) - 1).bit_length()
+    inside = np.zeros(len(truth))
+    inside[index] = 1.0
+    weighted, squares = inside * truth, estimate**2
+    parts = [(inside, squares), (-2.0 * weighted, estimate)]
+    spectra = (np.conj(np.fft.rfft(a, count)) * np.fft.rfft(b, count) for a, b in parts)
+    costs = np.fft.irfft(sum(spectra), count)[: longest + 1]
+    size = sum(float(np.linalg.norm(a) * np.linalg.norm(b)) for a, b in parts)
+    size += float(weighted @ truth)
+    doubt = ROUNDING * np.finfo(float).eps * count.bit_length() * size
+    return np.flatnonzero(~(costs > costs.min() + 2 * doubt))
 
 
 def _vertex(left: float, middle: float, right: float) -> float:

@@ -7,6 +7,7 @@ end.
 
 from __future__ import annotations
 
+import argparse
 import os
 import signal
 import threading
@@ -16,7 +17,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatch
-from functools import partial
+from functools import cache, partial
 from multiprocessing import connection, get_context, parent_process
 from pathlib import Path
 from typing import Any
@@ -172,17 +173,23 @@ def attempt(setup: Setup, job: Job, whole: bool = False) -> tuple[Row, HarnessEr
 
 def _done(setup: Setup, job: Job, whole: bool) -> Row:
     """Return the row of a run that reaches its end."""
-    from ..cli import parser
-
     out = setup.folder / f"run-{job.number:04d}"
     words = [*map(str, (*setup.common, *job.words)), "--out", str(out), "-q"]
     needed = None if whole else partial(_matching, setup.signals)
-    told, kpis = run_verb.judged(parser().parse_args(words), setup.keep, needed)
+    told, kpis = run_verb.judged(_parser().parse_args(words), setup.keep, needed)
     values = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
              for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
     courses = _courses(told, setup.signals, setup.every)
     more = {COURSES: courses} if courses else {}
     return {"run": job.number, **job.chosen, "verdict": kpis["verdict"], **values, **more}
+
+
+@cache
+def _parser() -> argparse.ArgumentParser:
+    """Return the command line's parser, which takes as long to make as a run's words to parse."""
+    from ..cli import parser
+
+    return parser()
 
 
 def _courses(told: Results, globs: tuple[str, ...], every: float) -> dict[str, Any]:

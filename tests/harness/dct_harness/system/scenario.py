@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +14,13 @@ import numpy as np
 from ..errors import ConfigError, instant, not_utf8, unreadable
 from ..units import HEADER
 
+LAST = 4  # scenarios that stay read: of a process that makes many runs
 INSTANT = 1e-9  # s; times that differ by less are one
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """Signals over time: `time` has shape (n,), each signal too."""
+    """Signals over time: `time` has shape (n,), each signal too; nobody may write to them."""
 
     time: np.ndarray
     signals: dict[str, np.ndarray]
@@ -54,17 +57,23 @@ def load(path: Path | None) -> Scenario:
     if path is None:
         return Scenario(np.zeros(1), {}, Path("no scenario"))
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [(k, row) for k, row in enumerate(csv.reader(file), 1) if row]
+        return _parsed(path, path.read_bytes())
     except OSError as error:
         raise ConfigError(unreadable(path, "scenario", error, ".csv")) from error
     except UnicodeDecodeError as error:
         raise ConfigError(not_utf8(path)) from error
+
+
+@lru_cache(LAST)
+def _parsed(path: Path, content: bytes) -> Scenario:
+    file = io.StringIO(content.decode("utf-8-sig"), newline="")
+    rows = [(k, row) for k, row in enumerate(csv.reader(file), 1) if row]
     if len(rows) < 2:
         raise ConfigError(f"{path}: needs a header and at least one row")
     names = [name.strip() for name in rows[0][1]]
     _check_header(path, names)
     table = np.array([_numbers(path, line, names, row) for line, row in rows[1:]])
+    table.flags.writeable = False
     _check_times(path, table[:, 0], [line for line, _ in rows[1:]])
     signals = {name: table[:, k] for k, name in enumerate(names) if k > 0}
     return Scenario(table[:, 0], signals, path)
