@@ -2,12 +2,13 @@
 
 use crate::error::Error;
 use crate::plan::Input;
+use cosim_raw::Places;
 use std::collections::HashMap;
 
 /// Gathers the inputs of one component from the world.
 #[derive(Debug, Default)]
 pub struct Gather {
-    sources: Vec<usize>,
+    sources: Places,
     /// Only where noise is added: place, source of the noise.
     noises: Vec<(usize, usize)>,
     /// Factor and offset of each.
@@ -43,6 +44,7 @@ impl Gather {
             initial: inputs.iter().map(|input| input.initial).collect(),
             ..Self::default()
         };
+        let mut sources = vec![];
         for (place, input) in inputs.iter().enumerate() {
             let name = format!("{component}.{}", input.name);
             let find = |source: &String| {
@@ -50,12 +52,13 @@ impl Gather {
                 let found = places.get(source.as_str()).copied();
                 found.ok_or_else(|| Error::variable(&name, missing()))
             };
-            gather.sources.push(find(&input.source)?);
+            sources.push(find(&input.source)?);
             if let Some(noise) = &input.noise {
                 gather.noises.push((place, find(noise)?));
             }
             gather.push(place, input, name);
         }
+        gather.sources = Places::new(sources);
         Ok(gather)
     }
 
@@ -83,7 +86,8 @@ impl Gather {
 
     /// Whether it reads one of these places of the world.
     pub fn reads(&self, places: &std::ops::Range<usize>) -> bool {
-        self.sources.iter().any(|source| places.contains(source))
+        let mut sources = self.sources.all().iter();
+        sources.any(|source| places.contains(source))
     }
 
     /// Reads the world in initialisation mode, or what is known of it.
@@ -98,9 +102,7 @@ impl Gather {
     /// Reads the world at communication point `time` [s].
     #[inline(always)]
     pub fn gather(&mut self, world: &[f64], time: f64) -> Result<(), Error> {
-        for (value, source) in self.values.iter_mut().zip(&self.sources) {
-            *value = world.get(*source).copied().unwrap_or(f64::NAN);
-        }
+        self.sources.copy(world, &mut self.values);
         if self.changes {
             self.change(world, time)?;
         }
@@ -132,9 +134,9 @@ impl Gather {
 
     /// Reads time derivatives of the signals of the world; what a table codes has none.
     pub fn gather_slopes(&mut self, world: &[f64]) {
-        let ways = self.sources.iter().zip(&self.lines);
-        for (slope, (source, (factor, _))) in self.slopes.iter_mut().zip(ways) {
-            *slope = world.get(*source).copied().unwrap_or(f64::NAN) * factor;
+        self.sources.copy(world, &mut self.slopes);
+        for (slope, (factor, _)) in self.slopes.iter_mut().zip(&self.lines) {
+            *slope *= factor;
         }
         let still = self.tables.iter().map(|table| table.place);
         for place in still.chain(self.held.iter().copied()) {

@@ -1,6 +1,6 @@
 //! The rows of a run, as they are made.
 
-use cosim_raw::prefetch;
+use cosim_raw::{Places, prefetch};
 use std::array;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -45,7 +45,7 @@ impl<'a> Recorder<'a> {
     /// Adds the signals of the world that are kept, `None` for all, and tells whether all of the world are
     /// numbers; a row of a world of which that is not true is written over by the next one.
     #[inline]
-    pub fn push(&mut self, world: &[f64], kept: Option<&[usize]>) -> bool {
+    pub fn push(&mut self, world: &[f64], kept: Option<&Places>) -> bool {
         let begin = self.good * self.width;
         let (there, good) = match &mut self.rows {
             Rows::Own(rows) => write((rows, begin, self.width), world, kept),
@@ -71,7 +71,7 @@ pub fn open(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
 fn write(
     (rows, begin, width): (&mut [f64], usize, usize),
     world: &[f64],
-    kept: Option<&[usize]>,
+    kept: Option<&Places>,
 ) -> (bool, bool) {
     let rest = rows.get_mut(begin..);
     let Some((row, later)) = rest.and_then(|rest| rest.split_at_mut_checked(width)) else {
@@ -80,9 +80,7 @@ fn write(
     prefetch(later.get(..width).unwrap_or_default());
     match kept {
         None => row.copy_from_slice(world),
-        Some(places) => row.iter_mut().zip(places).for_each(|(value, place)| {
-            *value = world.get(*place).copied().unwrap_or(f64::NAN);
-        }),
+        Some(places) => places.copy(world, row),
     }
     (true, are_numbers(world))
 }

@@ -11,6 +11,7 @@ use crate::rest;
 use crate::slopes::Slopes;
 use crate::watch::Watch;
 use crate::world;
+use cosim_raw::Places;
 
 /// Sweeps over the initial values, beyond one per component.
 const SWEEPS: usize = 50;
@@ -27,7 +28,7 @@ pub struct Run {
     /// Names of the signals of the world.
     all: Vec<String>,
     /// Places of the recorded ones; `None`: all, as they lie.
-    kept: Option<Vec<usize>>,
+    kept: Option<Places>,
     script: usize,
     world: Vec<f64>,
     coupling: Coupling,
@@ -59,7 +60,7 @@ impl Run {
             slopes: interpolate.then(|| Slopes::new(&mut parts, &moving)),
             parts,
             world: vec![0.0; all.len()],
-            kept: world::places(&all, plan.record.as_deref()),
+            kept: world::places(&all, plan.record.as_deref()).map(Places::new),
             all,
             script: plan.script.len(),
             coupling: plan.coupling,
@@ -79,7 +80,8 @@ impl Run {
 
     /// How many signals are recorded.
     pub(crate) fn width(&self) -> usize {
-        self.kept.as_ref().map_or(self.all.len(), Vec::len)
+        let kept = self.kept.as_ref().map(Places::all);
+        kept.map_or(self.all.len(), <[usize]>::len)
     }
 
     /// Names of the recorded signals, in the order of a row.
@@ -87,6 +89,7 @@ impl Run {
         match &self.kept {
             None => self.all.clone(),
             Some(kept) => kept
+                .all()
                 .iter()
                 .filter_map(|k| self.all.get(*k).cloned())
                 .collect(),
@@ -231,8 +234,9 @@ impl Run {
             .for_each(|(place, value)| *place = *value);
     }
 
+    #[inline]
     fn record(&self, recorder: &mut Recorder<'_>, time: f64) -> Result<(), Error> {
-        if recorder.push(&self.world, self.kept.as_deref()) {
+        if recorder.push(&self.world, self.kept.as_ref()) {
             return Ok(());
         }
         Err(self.no_number(time))

@@ -1,7 +1,8 @@
 //! An instance of an FMI 2.0 co-simulation FMU on the raw binding of the [`fmi`] crate 0.8.
 //!
-//! All unsafe code of the master is in this crate: each block is one call. It exists because the
-//! safe instance of the `fmi` crate hides its component, and with it cannot
+//! All unsafe code of the master is in this crate: each block is one call, or one look into memory
+//! ([`Places`], [`prefetch`]). The calls are here because the safe instance of the `fmi` crate hides
+//! its component, and with it cannot
 //! - set input derivatives or get output derivatives;
 //! - give a message's category, or survive a message without one, or a status Pending;
 //! - say that an FMU lacks a function other than by a panic.
@@ -18,7 +19,7 @@ mod status;
 
 pub use calls::Calls;
 pub use log::{Log, MESSAGES, Message};
-pub use memory::prefetch;
+pub use memory::{Places, prefetch};
 pub use status::Status;
 
 use calls::number;
