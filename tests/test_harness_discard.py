@@ -89,6 +89,23 @@ def test_a_step_too_long_for_our_observer_is_halved_until_it_is_not(
         assert np.array_equal(values, parts[signal]), signal
 
 
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+@pytest.mark.parametrize("step", [0.2, 0.3, 0.12])
+def test_steps_that_are_no_binary_fractions_are_divided_all_the_way(
+    repo_root: Path, tmp_path: Path, engine: str, step: float
+) -> None:
+    """The observer adds up its steps, a master multiplies: they differ in a last bit."""
+    loops = repo_root / "examples/closed_loop"
+    system = tmp_path / "s.toml"
+    system.write_text(
+        (loops / "paper_case1.toml").read_text().replace('"scenarios', f'"{loops}/scenarios')
+    )
+    more = ("--engine", engine, "--step", f"{step}", "--stop", f"{25 * step}")
+    done = run(system, repo_root / "target/fmu", *more)
+    assert done.returncode in (0, 1), done.stderr  # it ran; limits are for 1 ms
+    assert results.load(tmp_path / "out").time[-1] == pytest.approx(25 * step, abs=1e-9)
+
+
 def test_fmpy_may_go_on_after_a_step_that_was_too_long(repo_root: Path) -> None:
     speeds = []
     for first in (100.0, None):

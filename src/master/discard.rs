@@ -62,7 +62,7 @@ fn divide(
                 return Err(over(fmu, at, (time, step)));
             }
             let before = at;
-            (at, part) = after(fmu, at, end, part)?;
+            (at, part) = after(fmu, at, (end, ROUNDING * step), part)?;
             advance(inputs, slopes, at - before);
             if part < SHORTEST * step {
                 let at = Seconds(at);
@@ -82,8 +82,10 @@ fn divide(
 
 /// The end of the simulation where the FMU got to from `at` on in the step; `at` when it does not tell.
 fn over(fmu: &mut Fmu, at: f64, (time, step): (f64, f64)) -> Error {
-    let end = time + step + ROUNDING * step;
-    let told = fmu.reached().filter(|time| (at..=end).contains(time));
+    let rounding = ROUNDING * step;
+    let told = fmu
+        .reached()
+        .filter(|reached| (at - rounding..=time + step + rounding).contains(reached));
     fmu.end(told.unwrap_or(at))
 }
 
@@ -94,7 +96,14 @@ pub fn is_over_after(error: &Error, (time, step): (f64, f64)) -> bool {
 }
 
 /// Where the FMU is after a discarded step of `part` from `at`, and the next step.
-fn after(fmu: &mut Fmu, at: f64, end: f64, part: f64) -> Result<(f64, f64), Error> {
+///
+/// An FMU that adds up its steps is elsewhere than their product by `rounding` [s] at most.
+fn after(
+    fmu: &mut Fmu,
+    at: f64,
+    (end, rounding): (f64, f64),
+    part: f64,
+) -> Result<(f64, f64), Error> {
     if !fmu.varies_step() {
         let why = "it cannot take this step and takes no other one; change system.step";
         return Err(fmu.give_up(why));
@@ -103,12 +112,12 @@ fn after(fmu: &mut Fmu, at: f64, end: f64, part: f64) -> Result<(f64, f64), Erro
         let why = "it does not tell how far it got (fmi2GetRealStatus); choose a smaller step";
         return Err(fmu.give_up(why));
     };
-    if !(at..=at + part).contains(&reached) {
+    if !(at - rounding..=at + part + rounding).contains(&reached) {
         let reached = Seconds(reached);
         let why = format!("it says that it is at t = {reached} s, outside the step");
         return Err(fmu.give_up(&why));
     }
-    Ok(if reached > at {
+    Ok(if reached > at + rounding {
         (reached, end - reached)
     } else {
         (at, part / 2.0)

@@ -41,7 +41,7 @@ def _divide(fmu: Any, t: float, h: float) -> bool:
                 _end(fmu, at, end, ROUNDING * h)
                 return True
             before = at
-            at, part = _after(fmu, at, end, part)
+            at, part = _after(fmu, at, end, part, ROUNDING * h)
             fmu.advance_inputs(at - before)
             if part < SHORTEST * h:
                 fmu.give_up(f"it does not get past t = {instant(at)} s, whatever the step")
@@ -59,21 +59,24 @@ def _end(fmu: Any, at: float, end: float, rounding: float) -> None:
     After fmi2Terminated, and only then, they are good (FMI 2.0.4, 4.2.4, "stepFailed").
     """
     reached = fmu.reached()
-    told = reached is not None and at <= reached <= end + rounding
+    told = reached is not None and at - rounding <= reached <= end + rounding
     error = fmu.note_end(reached if told else at)
     if not (told and reached >= end - rounding):
         raise error
     fmu.get_outputs()
 
 
-def _after(fmu: Any, at: float, end: float, part: float) -> tuple[float, float]:
-    """Return where the FMU is after a discarded step of `part` from `at`, and the next step."""
+def _after(fmu: Any, at: float, end: float, part: float, rounding: float) -> tuple[float, float]:
+    """Return where the FMU is after a discarded step of `part` from `at`, and the next step.
+
+    An FMU that adds up its steps is elsewhere than their product by `rounding` [s] at most.
+    """
     varies = fmu.description.coSimulation.canHandleVariableCommunicationStepSize
     if str(varies).lower() != "true":
         fmu.give_up("it cannot take this step and takes no other one; change system.step")
     reached = fmu.reached()
     if reached is None:
         fmu.give_up("it does not tell how far it got (fmi2GetRealStatus); choose a smaller step")
-    if not at <= reached <= at + part:
+    if not at - rounding <= reached <= at + part + rounding:
         fmu.give_up(f"it says that it is at t = {instant(reached)} s, outside the step")
-    return (reached, end - reached) if reached > at else (at, part / 2)
+    return (reached, end - reached) if reached > at + rounding else (at, part / 2)
