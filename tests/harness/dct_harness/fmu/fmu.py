@@ -26,6 +26,7 @@ from . import values as single
 from .archive import described, unpack
 from .discard import finish
 from .host import CTYPES, lacks
+from .kept import Kept
 from .loader import FMU2Part, explain, missing_bytes
 from .ports import GROUPS
 from .slopes import continuous, followed
@@ -39,8 +40,10 @@ LAST_TIME, TERMINATED = 2, 3  # fmi2LastSuccessfulTime, fmi2Terminated
 class Fmu(Told):
     """A loaded instance; `close` frees everything and may be called at any point."""
 
-    def __init__(self, name: str, path: Path) -> None:
+    def __init__(self, name: str, path: Path, kept: Kept | None = None) -> None:
+        """`kept`: where it may be open already, and goes afterwards."""
         super().__init__(name, path)
+        self._idle, self._stays = kept, ""
         self.wall_time = 0.0
         self._slave: Any = None
         self._slopes: np.ndarray | None = None
@@ -48,9 +51,15 @@ class Fmu(Told):
         self._alive: list[np.ndarray] = []  # buffers whose addresses the calls hold
         self._instantiated = False
         self._stepping = False
+        self._directory = Path()
+        digest, opened = kept.take(path) if kept else ("", None)
+        if opened is not None:
+            self._reopen(digest, *opened)
+            return
         self._directory = unpack(path)
         try:
             self._open()
+            self._stays = digest if self.is_ours and not self._resources.exists() else ""
         except BaseException:
             self.close()
             raise
@@ -61,6 +70,13 @@ class Fmu(Told):
         if fmpy.platform not in fmpy.supported_platforms(self._directory):
             raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}")
         self._slave = self._load(identifier)
+
+    def _reopen(self, digest: str, description: Any, slave: Any) -> None:
+        """Take over an FMU that an earlier run has left open."""
+        self._stays = digest
+        self.describe(description)
+        self._slave = slave
+        slave.instanceName = self.name
 
     @property
     def library(self) -> Path:
@@ -91,12 +107,16 @@ class Fmu(Told):
 
     def identity(self) -> dict[str, str]:
         """Return what `run.json` records of the FMU."""
-        digest = hashlib.sha256(self.path.read_bytes()).hexdigest()
         return {
             "path": str(self.path), "modelName": self.description.modelName,
-            "guid": self.description.guid, "sha256": digest,
+            "guid": self.description.guid, "sha256": self._digest(),
             "generationTool": self.description.generationTool or "",
         }  # fmt: skip
+
+    def _digest(self) -> str:
+        if self._idle is not None:
+            return self._idle.digest(self.path)
+        return hashlib.sha256(self.path.read_bytes()).hexdigest()
 
     def initialize(self, stop: float, values: dict[str, Any]) -> None:
         """Instantiate, set parameters and start values, enter initialisation mode.
@@ -323,19 +343,31 @@ class Fmu(Told):
         slave, self._slave = self._slave, None
         try:
             if slave is not None:
-                _release(slave, self._instantiated, self._stepping)
+                _free(slave, self._instantiated, self._stepping)
+                self._put_away(slave)
         finally:
             self.remove_directory()
 
+    def _put_away(self, slave: Any) -> None:
+        """Leave the library to the next run, after a healthy one; else unload it."""
+        opened = self.description, slave
+        kept = self._idle if self._stepping else None
+        if kept is None or not kept.give(self._stays, self.path, opened):
+            fmpy.freeLibrary(slave.dll._handle)
+
+    @property
+    def _resources(self) -> Path:
+        return self._directory / "resources"
+
     def remove_directory(self) -> None:
         """Remove the unpacked archive only."""
-        shutil.rmtree(self._directory, ignore_errors=True)
+        if self._directory != Path():
+            shutil.rmtree(self._directory, ignore_errors=True)
 
 
-def _release(slave: Any, instantiated: bool, stepping: bool) -> None:
-    """Terminate (only after a healthy step), free and unload one instance."""
+def _free(slave: Any, instantiated: bool, stepping: bool) -> None:
+    """Terminate (only after a healthy step) and free one instance."""
     if stepping:
         slave.dll["fmi2Terminate"](ctypes.c_void_p(slave.component))
     if instantiated:
         slave.dll["fmi2FreeInstance"](ctypes.c_void_p(slave.component))
-    fmpy.freeLibrary(slave.dll._handle)

@@ -19,6 +19,7 @@ from ..errors import FmuInvalidError, FmuRuntimeError, HarnessError, RunTimeoutE
 from .archive import described
 from .fmu import DISCARD, Fmu
 from .host import CALLS, FORKED, HEAD, MORE
+from .kept import Kept
 from .loader import explain
 from .ports import GROUPS, is_ours
 from .remote import Remote
@@ -42,16 +43,21 @@ class Limits:
     log: bool = False
 
 
-def load(name: str, path: Path, limits: Limits | None = None) -> Fmu:
-    """Load an FMU, in a process of its own unless this project built it."""
+def load(name: str, path: Path, limits: Limits | None = None, kept: Kept | None = None) -> Fmu:
+    """Load an FMU, in a process of its own unless this project built it.
+
+    `kept`: where one that this project built may be open already.
+    """
     limits = limits or Limits()
+    if kept is not None and limits.isolate != "all" and kept.has(path):
+        return Fmu(name, path, kept)
     if limits.isolate == "none":
         fmu = Fmu(name, path)
         fmu.asked = limits.log
         return fmu
     description = described(path)  # kept until the FMU has it as well
     if is_ours(description) and limits.isolate != "all":
-        return Fmu(name, path)
+        return Fmu(name, path, kept)
     return Isolated(name, path, limits)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import ConfigError, FmuRuntimeError, HarnessError, instant
 from ..fmu.fmu import Fmu
 from ..fmu.isolated import Limits, load
+from ..fmu.kept import Kept
 from ..supplier.mapped import Mapped, apply_shared
 from ..supplier.mapping import Mapping
 from ..system import scenario as scenarios
@@ -69,6 +70,7 @@ class Run:
         self.names: list[str] = []
         self.kept: list[str] = []  # names of the columns of `rows`
         self.wanted: Wanted | None = None  # which signals to record; an engine may record all
+        self.kept_open: Kept | None = None  # FMUs of earlier runs
         self.rows = np.zeros((0, 0))
         self.fmus: dict[str, Fmu | Mapped] = {}
         self.identities: dict[str, dict[str, str]] = {}
@@ -98,7 +100,7 @@ class Run:
 
     def _load(self, name: str, path: Path) -> Fmu:
         try:
-            fmu = load(name, path, self.limits)
+            fmu = load(name, path, self.limits, self.kept_open)
             fmu.ends = self.ends
             return fmu
         except ConfigError as error:

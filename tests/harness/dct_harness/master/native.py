@@ -16,7 +16,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -89,8 +90,8 @@ class NativeRun(Run):
         if foreign:
             rows, error, self._said = self._apart(plan, ended)
         else:
-            with TemporaryDirectory(prefix="dct-harness-") as self._unpacked:
-                work = (plan, self.times, self.script, self._unpacked)
+            with self._fmus() as fmus:
+                work = (plan, self.times, self.script, fmus)
                 rows, error, self._said = made(*work, ended, out=[self._samples])
         self.rows = rows
         if isinstance(error, InterruptedRunError) and self.abort is not None:
@@ -99,6 +100,20 @@ class NativeRun(Run):
             raise error
         if progress is not None:
             progress(last, last)
+
+    @contextmanager
+    def _fmus(self) -> Iterator[Any]:
+        """Give FMUs of the compiled master: of earlier runs, or new ones that go afterwards."""
+        kept = self.kept_open
+        if kept is None:
+            with TemporaryDirectory(prefix="dct-harness-") as self._unpacked:
+                yield compiled().Fmus(self._unpacked)
+            return
+        self._unpacked = str(kept.folder)
+        files = sorted((str(path), kept.digest(path)) for path in self.paths.values())
+        if kept.compiled[0] != files:
+            kept.compiled = files, compiled().Fmus(kept.folder)
+        yield kept.compiled[1]
 
     def _narrow(self, wanted: Collection[str]) -> None:
         """Record some signals only, in the order of all."""
@@ -236,18 +251,16 @@ def _read(path: Path) -> tuple[HarnessError | None, Said]:
 
 
 def made(
-    plan: str, times: np.ndarray, script: np.ndarray, folder: str | Path, ended: Ended,
+    plan: str, times: np.ndarray, script: np.ndarray, fmus: Any, ended: Ended,
     out: list[np.ndarray],
 ) -> Made:  # fmt: skip
     """Return the rows of one loop, shape (samples, signals), why they are not all there, the log.
 
-    FMUs are unpacked below `folder`. `ended` is asked from time to time, with the number of steps
-    so far; the rows lie in `out`.
+    `fmus` of the compiled master are used and added to. `ended` is asked from time to time, with
+    the number of steps so far; the rows lie in `out`.
     """
-    native = compiled()
     work = ([plan], times, np.ascontiguousarray(script))
-    fmus = native.Fmus(folder)
-    _, rows, error, log = native.run(*work, out=out, fmus=fmus, watch=ended)[0]
+    _, rows, error, log = compiled().run(*work, out=out, fmus=fmus, watch=ended)[0]
     return rows, ERRORS[error[0]](error[1]) if error else None, log
 
 
@@ -295,7 +308,7 @@ def main(folder: Path, memory: int) -> None:
     plan = (folder / PLAN).read_text("utf-8")
     rows = np.asarray(open_memmap(folder / ROWS, "r+"))
     with np.load(folder / INPUT) as given:
-        work = (plan, given["times"], given["script"], folder)
+        work = (plan, given["times"], given["script"], compiled().Fmus(folder))
         _, error, log = made(*work, lambda steps: _told(folder, steps), out=[rows])
     kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
     told = np.array([kind, str(error or "")])

@@ -32,6 +32,7 @@ from ..errors import (
     RunTimeoutError,
     did_you_mean,
 )
+from ..fmu.kept import Kept
 from ..kpi.scopes import SCENARIO
 from ..master import watch
 from ..results import Results
@@ -44,6 +45,7 @@ COURSES = "courses"  # of a row: signal -> values
 REPEATED = (FmuRuntimeError, RunTimeoutError)  # what another try may mend
 TRIES = 3  # of a run that takes its process with it
 LOST = "process lost"
+KEPT = Kept()  # FMUs that this process has open
 
 
 def serial(jobs: list[Job], one: Callable[[Job], Row]) -> Iterator[Row]:
@@ -104,6 +106,7 @@ def _pool(
 def _quiet() -> None:
     """Leave Ctrl-C to the process that collects the rows; end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _end_at_once)
     os.environ["OMP_NUM_THREADS"] = "1"
     threading.Thread(target=_end_with_the_sweep, daemon=True).start()
 
@@ -119,6 +122,12 @@ def _end_with_the_sweep() -> None:
     connection.wait([sweep.sentinel])
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(watch.GRACE)
+    _end_at_once()
+
+
+def _end_at_once(*_: Any) -> None:
+    """End this process, which makes no run just now, and remove what it has unpacked."""
+    KEPT.remove_folder()
     os._exit(1)
 
 
@@ -176,7 +185,7 @@ def _done(setup: Setup, job: Job, whole: bool) -> Row:
     out = setup.folder / f"run-{job.number:04d}"
     words = [*map(str, (*setup.common, *job.words)), "--out", str(out), "-q"]
     needed = None if whole else partial(_matching, setup.signals)
-    told, kpis = run_verb.judged(_parser().parse_args(words), setup.keep, needed)
+    told, kpis = run_verb.judged(_parser().parse_args(words), setup.keep, needed, KEPT)
     values = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
              for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
     courses = _courses(told, setup.signals, setup.every)

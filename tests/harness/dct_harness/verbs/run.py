@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import formats, kpi, results
 from ..errors import HarnessError, instant
+from ..fmu.kept import Kept
 from ..master import check_step, watch
 from ..master.master import SCENARIO, Run, Wanted
 from ..master.native import NativeRun
@@ -92,12 +93,12 @@ def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
 
 
 def judged(
-    args: argparse.Namespace, keep: bool, chosen: Wanted | None = None
+    args: argparse.Namespace, keep: bool, chosen: Wanted | None = None, fmus: Kept | None = None
 ) -> tuple[results.Results, dict[str, Any]]:
     """Return signals and KPIs of a run; only one that fails, or is to `keep`, is written.
 
     `chosen`: which of its signals the caller needs besides those that the KPIs are of; an engine
-    may then leave out the others.
+    may then leave out the others. `fmus`: FMUs that stay open from run to run.
 
     Raises
     ------
@@ -105,6 +106,7 @@ def judged(
         The run did not reach its end; `in_part`: not all of its signals are there to be looked at.
     """
     loop, out = _prepare(args)
+    loop.kept_open = fmus
     brief = {"system": loop.system.as_dict(), "status": "complete"}
     if chosen is not None and not keep:
         loop.wanted = lambda names: {*chosen(names), *kpi.reads(names, brief)}
