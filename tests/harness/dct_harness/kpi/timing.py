@@ -96,10 +96,14 @@ def nearest(truth: np.ndarray, estimate: np.ndarray, index: np.ndarray, longest:
     parts = [(inside, squares), (-2.0 * weighted, estimate)]
     spectra = (np.conj(np.fft.rfft(a, count)) * np.fft.rfft(b, count) for a, b in parts)
     costs = np.fft.irfft(sum(spectra), count)[: longest + 1]
-    size = sum(float(np.linalg.norm(a) * np.linalg.norm(b)) for a, b in parts)
-    size += float(weighted @ truth)
+    size = sum(_norm(a) * _norm(b) for a, b in parts) + float(np.sum(weighted * truth))
     doubt = ROUNDING * np.finfo(float).eps * count.bit_length() * size
     return np.flatnonzero(~(costs > costs.min() + 2 * doubt))
+
+
+def _norm(values: np.ndarray) -> float:
+    """Return the Euclidean norm without BLAS, whose threads would wait for each other."""
+    return float(np.sqrt(np.sum(np.square(values))))
 
 
 def _vertex(left: float, middle: float, right: float) -> float:

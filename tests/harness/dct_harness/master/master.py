@@ -27,7 +27,7 @@ from .interpolation import Interpolation
 from .noise import Noise
 from .signals import describe
 
-Wanted = Callable[[list[str]], Collection[str]]  # of the names of all signals those to record
+Wanted = Callable[[tuple[str, ...]], Collection[str]]  # of the names of all signals those to record
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 

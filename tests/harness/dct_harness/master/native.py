@@ -75,7 +75,7 @@ class NativeRun(Run):
         inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
         foreign = any(isinstance(fmu, Isolated) for fmu in inner)
         if self.wanted is not None and not foreign:
-            self._narrow(self.wanted(self.names))
+            self._narrow(self.wanted(tuple(self.names)))
         plan = json.dumps(self._plan())
         last = len(self.times) - 1
 

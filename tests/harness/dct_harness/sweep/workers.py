@@ -17,7 +17,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatch
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from multiprocessing import connection, get_context, parent_process
 from pathlib import Path
 from typing import Any
@@ -205,7 +205,7 @@ def _courses(told: Results, globs: tuple[str, ...], every: float) -> dict[str, A
     """Return the chosen signals at every so many seconds, `time` first."""
     if not globs:
         return {}
-    names = _matching(globs, list(told.signals))
+    names = _matching(globs, tuple(told.signals))
     lost = next((g for g in globs if not any(fnmatch(n, g) for n in names)), None)
     if lost is not None:
         hint = did_you_mean(lost, (*told.signals, *told.unkept))
@@ -215,6 +215,7 @@ def _courses(told: Results, globs: tuple[str, ...], every: float) -> dict[str, A
     return {n: told[n][index].tolist() for n in dict.fromkeys(("time", *names))}
 
 
-def _matching(globs: tuple[str, ...], names: list[str]) -> list[str]:
+@lru_cache(16)
+def _matching(globs: tuple[str, ...], names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names that at least one of the globs matches."""
-    return [name for name in names if any(fnmatch(name, glob) for glob in globs)]
+    return tuple(name for name in names if any(fnmatch(name, glob) for glob in globs))
