@@ -7,6 +7,7 @@ import json
 import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 from dct_harness import cli
 from harness_fixture.lag_fmu import harness, run, write_fmu, write_system
@@ -84,6 +85,51 @@ def test_file_that_is_no_fmu_exits_3(tmp_path: Path) -> None:
     done = run(write_system(tmp_path), tmp_path)
     assert done.returncode == 3
     assert "is not an FMU" in done.stderr
+
+
+@pytest.mark.parametrize(("version", "other"), [("3.0", "fmi3"), ("1.0", "fmi1")])
+def test_an_fmu_of_another_standard_says_which(
+    tmp_path: Path, lag_library: Path, version: str, other: str
+) -> None:
+    path = write_fmu(tmp_path / "Lag.fmu", lag_library)
+    with zipfile.ZipFile(path) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    text = files["modelDescription.xml"].decode()
+    stated = text.replace('fmiVersion="2.0"', f'fmiVersion="{version}"')
+    files["modelDescription.xml"] = stated.encode()
+    with zipfile.ZipFile(tmp_path / f"{other}.fmu", "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    done = harness("check", tmp_path / f"{other}.fmu", folder=tmp_path)
+    assert done.returncode == 3
+    assert f"{other}.fmu: is FMI {version}; FMI 2.0 co-simulation is what runs here" in done.stderr
+
+
+def test_an_fmu_that_was_cut_short_says_so(tmp_path: Path, lag_library: Path) -> None:
+    path = write_fmu(tmp_path / "Lag.fmu", lag_library)
+    path.write_bytes(path.read_bytes()[:-100])
+    done = harness("check", path, folder=tmp_path)
+    assert done.returncode == 3
+    assert "is not an FMU (its end is missing: copy it again)" in done.stderr
+
+
+@pytest.mark.parametrize(("platforms", "said"), [
+    (("win64", "darwin64"), "it is for darwin64, win64"), ((), "it has none: ask who built it"),
+])  # fmt: skip
+def test_an_fmu_of_another_platform_says_which(
+    tmp_path: Path, lag_library: Path, platforms: tuple[str, ...], said: str
+) -> None:
+    path = write_fmu(tmp_path / "Lag.fmu", lag_library)
+    with zipfile.ZipFile(path) as archive:
+        text = archive.read("modelDescription.xml")
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        for platform in platforms:
+            suffix = {"win64": "dll", "darwin64": "dylib"}[platform]
+            archive.writestr(f"binaries/{platform}/Lag.{suffix}", "")
+    done = harness("check", path, folder=tmp_path)
+    assert done.returncode == 6
+    assert f"has no binary for {fmpy.platform}; {said}" in done.stderr
 
 
 def test_archive_member_that_leaves_the_archive_exits_3(tmp_path: Path, lag_library: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dct_harness import results
-from harness_fixture.lag_fmu import LAG, run, variable, write_fmu, write_system
+from harness_fixture.lag_fmu import LAG, harness, run, variable, write_fmu, write_system
 
 RATE = 2.0  # 1/s, of the supplier's lag
 ROUNDING = 1e-12  # a thousand exact steps, each rounded once
@@ -61,6 +61,21 @@ def test_a_plant_that_lacks_a_signal_is_refused_with_its_name(
     done = run(system, repo_root / "target/fmu", "--plant", supplier)
     assert done.returncode == 2
     assert "'observer.engine.speed' has no source" in done.stderr
+
+
+def test_an_observer_in_the_place_of_the_plant_is_doubted(repo_root: Path, tmp_path: Path) -> None:
+    words = [
+        "run",
+        str(repo_root / "examples/closed_loop/paper_case1.toml"),
+        "--fmu-dir",
+        str(repo_root / "target/fmu"),
+        "--plant",
+        str(repo_root / "target/fmu/DctObserver.fmu"),
+    ]
+    done = harness(*words, folder=tmp_path)
+    assert done.returncode == 2
+    assert "'plant.engine.speed' has no source" in done.stderr
+    assert "`dct-harness check FMU --against plant` tells if this is one" in done.stderr
 
 
 @pytest.mark.parametrize(("name", "said"), [

@@ -223,6 +223,18 @@ def test_shift_lasts_from_one_drive_to_the_other() -> None:
     assert duration == pytest.approx(6.5 - 5.0 + STEP, abs=ROUNDING)
 
 
+def test_a_limit_on_a_signal_that_no_kpi_is_of_gets_a_hint() -> None:
+    key = registry.FEEDBACK_RATIO.key
+    rows = [{"kpi": key, "signal": f"clutch{k}.torque"} for k in (1, 2)]
+    wrong = [{"kpi": key, "signal": "clutch3.torque"}, {"kpi": key, "signal": "clutch1.torque"}]
+    (told,) = limits.of_nothing(wrong, rows)
+    assert told.startswith(
+        f"{key} is not computed of 'clutch3.torque' here, but of clutch1.torque,"
+    )
+    assert "Did you mean 'clutch" in told
+    assert limits.of_nothing(wrong, []) == []
+
+
 def test_limits_of_the_system_give_the_verdict() -> None:
     truth = np.full_like(TIME, 100.0)
     factors = {"plant": 1.0, "observer": 1.02, "observer.mapBased": 1.5}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import shutil
 import stat
 import tempfile
@@ -27,6 +28,7 @@ MOST_RATIO = 200  # unpacked / packed; DEFLATE reaches 1032 on zeros, libraries 
 SMALL = 16 << 20  # bytes; below this the ratio does not matter
 CHUNK = 1 << 20
 DESCRIPTION = "modelDescription.xml"
+VERSION = re.compile(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)")
 UNUSED = ("documentation/", "sources/")  # no library reads them
 
 # Descriptions that somebody has, by their text: reading one of 300,000 variables takes 10 s.
@@ -52,11 +54,17 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
         raise ConfigError(unreadable(path, _kind(path), error, ".fmu")) from error
     except zipfile.BadZipFile as error:
         damage = "" if "not a zip" in str(error) else f": {error}"
-        raise FmuInvalidError(
-            f"{path}: is not an {_kind(path)} (not a ZIP archive){damage}"
-        ) from error
+        cut = not damage and _begins(path)
+        why = "its end is missing: copy it again" if cut else f"not a ZIP archive{damage}"
+        raise FmuInvalidError(f"{path}: is not an {_kind(path)} ({why})") from error
     except (zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise FmuInvalidError(f"{path}: the archive cannot be unpacked: {error}") from error
+
+
+def _begins(path: Path) -> bool:
+    """Return whether a file begins as a ZIP archive does."""
+    with path.open("rb") as file:
+        return file.read(4) == b"PK\x03\x04"
 
 
 def _kind(path: Path) -> str:
@@ -100,6 +108,10 @@ def parsed(path: Path, text: bytes) -> Any:
 
 def _read(path: Path, text: bytes) -> Any:
     refuse_doctype(path, text, DESCRIPTION)
+    stated = VERSION.search(text)
+    if stated and stated[1] != b"2.0":
+        version = stated[1].decode("ascii", "replace")
+        raise FmuInvalidError(f"{path}: is FMI {version}; FMI 2.0 co-simulation is what runs here")
     alone = io.BytesIO()
     with zipfile.ZipFile(alone, "w") as archive:
         archive.writestr(DESCRIPTION, text)

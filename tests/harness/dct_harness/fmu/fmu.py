@@ -67,8 +67,14 @@ class Fmu(Told):
     def _open(self) -> None:
         self.describe(described(self.path))
         identifier = self.description.coSimulation.modelIdentifier
-        if fmpy.platform not in fmpy.supported_platforms(self._directory):
-            raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}")
+        there = fmpy.supported_platforms(self._directory)
+        if fmpy.platform not in there:
+            what = (
+                f"it is for {', '.join(there)}"
+                if there
+                else "it has none: ask who built it for one"
+            )
+            raise PlatformError(f"{self.path}: has no binary for {fmpy.platform}; {what}")
         self._slave = self._load(identifier)
 
     def _reopen(self, digest: str, description: Any, slave: Any) -> None:

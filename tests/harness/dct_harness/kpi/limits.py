@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..errors import did_you_mean
 from . import registry
 from .scopes import SCENARIO
 
@@ -48,6 +49,18 @@ def _judged(limit: dict[str, Any], rows: list[dict[str, Any]]) -> dict[str, Any]
         "unit": registry.BY_KEY[limit["kpi"]].unit,
         "pass": value is not None and holds(value, limit[side]),
     }  # fmt: skip
+
+
+def of_nothing(judged: list[dict[str, Any]], rows: list[dict[str, Any]]) -> list[str]:
+    """Return a sentence for each limit on a signal of which this run has no such KPI."""
+    told = []
+    for limit in judged:
+        signals = sorted({r["signal"] for r in rows if r["kpi"] == limit["kpi"]})
+        if signals and limit["signal"] not in signals:
+            hint = did_you_mean(limit["signal"], signals)
+            what = f"{limit['kpi']} is not computed of '{limit['signal']}'"
+            told.append(f"{what} here, but of {', '.join(signals)}.{hint}")
+    return told
 
 
 def verdict(run: dict[str, Any], judged: list[dict[str, Any]]) -> str:

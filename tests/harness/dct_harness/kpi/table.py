@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import registry, side_by_side
+from . import limits, registry, side_by_side
 from .estimation import ESTIMATES, OBSERVER, TORQUES
 
 UNDEFINED = "–"
@@ -110,6 +110,7 @@ def format_table(kpis: dict[str, Any]) -> str:
         aligned(OTHER_HEAD, other_cells(kpis), lambda k: k == 3),
         aligned(LIMIT_HEAD, limit_cells(kpis["limits"]), lambda k: k in (3, 4)),
         UNDEFINED_TOLD if any(j["value"] is None for j in kpis["limits"]) else "",
+        "\n".join(limits.of_nothing(kpis["limits"], kpis["rows"])),
         f"verdict: {kpis['verdict']}",
     ]
     return "\n\n".join(part for part in parts if part)

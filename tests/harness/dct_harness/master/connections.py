@@ -72,8 +72,11 @@ def _source(
 
 def _hint(component: str, variable: str, known: set[str], inputs: Mapping[str, str]) -> str:
     """Return a column like it that nobody reads; of a plant with names of its own what it needs."""
-    if component == "plant" and variable not in plant_contract().variables:
+    ours = plant_contract()
+    if component == "plant" and variable not in ours.variables:
         return " A plant with names of its own needs --map; `dct-harness map` writes one."
+    if component == "plant" and variable in ours.needed:
+        return " A plant gives that: `dct-harness check FMU --against plant` tells if this is one."
     columns = {name.removeprefix("scenario.") for name in known if name.startswith("scenario.")}
     return did_you_mean(variable, sorted(columns - set(inputs.values())))
 

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from .. import formats, measured
-from ..errors import ConfigError, instant
+from ..errors import ConfigError, did_you_mean, instant
 from .arguments import Verbs, add_loudness, say, seconds, verb
 
 EXAMPLES = """convert target/results/paper_case1 case1.mf4
@@ -48,10 +48,10 @@ def _time(text: str) -> float:
 def _without_units(channels: list[measured.Channel]) -> list[measured.Channel]:
     """Return channels in SI units: CSV has no place for others. Tells which have an unknown one."""
     found, strange = measured.in_si(channels)
-    units = {c.name: c.unit for c in channels}
-    for name in strange:
-        what = f"'{name}' is in '{units[name]}', which is not known: its values stay as they are"
-        print(what, file=sys.stderr)
+    units = sorted({c.unit for c in channels if c.name in strange})
+    if units:
+        told = f"values in {', '.join(units)} stay as they are: no such unit is known"
+        print(f"{told} ({', '.join(strange)})", file=sys.stderr)
     return found
 
 
@@ -61,12 +61,14 @@ def convert(args: argparse.Namespace) -> int:
     channels = measured.read(args.source)
     if args.map:
         channels = measured.Mapping.load(args.map).apply(channels)
-    elif args.target.suffix.lower() == ".csv":
-        channels = _without_units(channels)
+    names = [c.name for c in channels]
     if args.only:
         channels = [c for c in channels if any(fnmatchcase(c.name, g) for g in args.only)]
     if not channels:
-        raise ConfigError(f"{args.source}: nothing to convert; see --only and --map")
+        hint = "".join(did_you_mean(glob, names) for glob in args.only)
+        raise ConfigError(f"{args.source}: nothing to convert; see --only and --map.{hint}")
+    if not args.map and args.target.suffix.lower() == ".csv":
+        channels = _without_units(channels)
     table = measured.common(channels, args.step, args.start, args.stop)
     args.target.parent.mkdir(parents=True, exist_ok=True)
     formats.write(args.target, table)
