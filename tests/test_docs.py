@@ -59,6 +59,12 @@ def test_generated_pages_hold_every_verb_kpi_and_table(site: Path) -> None:
     assert "Deviation" in page("paper.html") or "deviation" in page("paper.html")
 
 
+def test_the_first_page_leads_to_every_written_page() -> None:
+    first = (PAGES / "index.md").read_text(encoding="utf-8")
+    pages = {p.relative_to(PAGES).as_posix() for p in PAGES.rglob("*.md")} - {"index.md"}
+    assert {page for page in pages if f"({page})" not in first} == set()
+
+
 @pytest.mark.parametrize("name", sorted(
     str(p.relative_to(PAGES)) for p in PAGES.rglob("*.md") if BLOCK.search(p.read_text("utf-8"))
 ))  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -165,3 +166,20 @@ def test_commands_of_the_templates_work(repo_root: Path, template: str) -> None:
     junit = ElementTree.parse(repo_root / "target/ci/limits.xml").getroot()
     assert junit.get("failures") == "0"
     assert (repo_root / "target/ci/paper_case1/report/index.html").is_file()
+
+
+def test_templates_run_on_a_suppliers_plant_named_from_the_shells_folder(
+    repo_root: Path, tmp_path: Path
+) -> None:
+    example = repo_root / "examples/supplier_plant"
+    build = [sys.executable, example / "build.py", tmp_path, "antrieb"]
+    subprocess.run(build, check=True, capture_output=True)
+    shutil.copy(example / "antrieb.toml", tmp_path)
+    kept = f"--dct-artefacts={tmp_path / 'kept'}"
+    words = (repo_root / "examples/ci", "-q", "-k", "limits or rest", kept)
+    plant = "--dct-plant=Antrieb.fmu"
+    done = run_pytest(*words, plant, "--dct-map=antrieb.toml", folder=tmp_path)
+    assert "2 passed" in done.stdout, done.stdout
+    done = run_pytest(*words, plant, folder=tmp_path)  # without its names neither can run
+    assert "2 failed" in done.stdout, done.stdout
+    assert "A plant with names of its own needs --map" in done.stdout

@@ -25,8 +25,7 @@ def test_friction_of_the_observer_leaves_the_plant_alone(closed_loop, assert_tub
 
 
 def test_a_plant_at_rest_stays_at_rest(plant) -> None:
-    plant["engine.speed_start"] = 0.0
-    plant["vehicle.speed_start"] = 0.0
+    plant["engine.speed_start"] = 0.0  # the vehicle's is 0 already
     plant.step(0.001, count=1000)
     assert plant["vehicle.speed"] == 0.0
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from ..errors import ConfigError, did_you_mean
 from ..fmu.fmu import Fmu
+from ..supplier.mapped import Mapped
+from ..supplier.mapping import Mapping
 
 FOREVER = 1e9  # s; the FMU is told this stop time
 
@@ -20,10 +22,13 @@ class Stepper:
         plant["engine.torque"] = 50.0
         plant.step(0.001)
         speed = plant["engine.speed"]
+
+    `names`: the mapping of a supplier's plant, which then speaks by our names, in SI.
     """
 
-    def __init__(self, path: Path, name: str = "fmu") -> None:
-        self.fmu = Fmu(name, path)
+    def __init__(self, path: Path, name: str = "fmu", names: Mapping | None = None) -> None:
+        fmu = Fmu(name, path)
+        self.fmu: Fmu | Mapped = fmu if names is None else Mapped(fmu, names)
         self.time = 0.0
         self._start: dict[str, Any] = {}
         self._inputs = {v.name: k for k, v in enumerate(self.fmu.inputs)}

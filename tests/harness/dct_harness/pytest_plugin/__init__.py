@@ -19,9 +19,11 @@ if TYPE_CHECKING:
     from .loops import Loop
 
 REPORTS = pytest.StashKey[dict[str, Any]]()
+PLANT = "DctPlant.fmu"
 OPTIONS = {
     "dct_fmu_dir": ("target/fmu", "directory of the FMUs"),
-    "dct_plant": ("DctPlant.fmu", "FMU of fixture plant, in the FMU directory or a path"),
+    "dct_plant": (PLANT, "plant FMU of all fixtures, in the FMU directory or a path"),
+    "dct_map": ("", "mapping file of that plant, where it has names and units of its own"),
     "dct_observer": ("DctObserver.fmu", "FMU of fixture observer, likewise"),
     "dct_artefacts": ("target/test-artefacts", "where failing tests leave results and reports"),
 }
@@ -35,10 +37,32 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         group.addoption(f"--{name.replace('_', '-')}", metavar="PATH", help=f"{text} ({default})")
 
 
+def _given(config: pytest.Config, name: str) -> tuple[Path, str]:
+    """Return an option, and where it counts from: the shell's folder, or the root for the ini."""
+    told: str | None = config.getoption(f"--{name.replace('_', '-')}")
+    return (config.invocation_params.dir, told) if told else (config.rootpath, config.getini(name))
+
+
 def setting(config: pytest.Config, name: str) -> Path:
-    """Return an option of the command line or of the ini file, relative to the root."""
-    value = config.getoption(f"--{name.replace('_', '-')}") or config.getini(name)
-    return config.rootpath / value
+    """Return an option of the command line or of the ini file as a path."""
+    folder, value = _given(config, name)
+    return folder / value
+
+
+def _fmu(config: pytest.Config, name: str) -> Path:
+    """Return an FMU in the FMU directory, or else as a path."""
+    beside = setting(config, "dct_fmu_dir") / _given(config, name)[1]
+    return beside if beside.is_file() else setting(config, name)
+
+
+def _swapped(config: pytest.Config) -> dict[str, str]:
+    """Return what every closed loop takes in place of its plant, as overrides."""
+    if _given(config, "dct_plant")[1] == PLANT:
+        return {}
+    found = {"plant": str(_fmu(config, "dct_plant"))}
+    if _given(config, "dct_map")[1]:
+        found["map"] = str(setting(config, "dct_map"))
+    return found
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -83,10 +107,11 @@ def fmu_dir(pytestconfig: pytest.Config) -> Path:
 
 def _stepper(pytestconfig: pytest.Config, name: str) -> Iterator[Stepper]:
     from ..master.stepper import Stepper
+    from ..supplier import mapping
 
-    value = setting(pytestconfig, f"dct_{name}").relative_to(pytestconfig.rootpath)
-    path = setting(pytestconfig, "dct_fmu_dir") / value
-    with Stepper(path if path.is_file() else pytestconfig.rootpath / value, name) as stepper:
+    file = _swapped(pytestconfig).get("map") if name == "plant" else None
+    names = mapping.load(Path(file)) if file else None
+    with Stepper(_fmu(pytestconfig, f"dct_{name}"), name, names) as stepper:
         yield stepper
 
 
@@ -126,11 +151,13 @@ def closed_loop(
     """Run a system file: `closed_loop("loop.toml", plant__vehicle__mass=1600.0)`.
 
     Overrides are `component.variable`, with `__` for dots where they are keywords; `plant=path`
-    takes another plant FMU, `scenario=path` another scenario. Equal calls run once per session.
+    takes another plant FMU than that of `--dct-plant`, `map=path` its mapping, `scenario=path`
+    another scenario. Equal calls run once per session.
     """
 
     def run(scenario: str | Path, **overrides: Any) -> Loop:
-        loop = _loops.run(pytestconfig.rootpath / scenario, overrides)
+        usual = {} if "plant" in overrides else _swapped(pytestconfig)
+        loop = _loops.run(pytestconfig.rootpath / scenario, {**usual, **overrides})
         _artefacts.add(loop)
         return loop
 

@@ -16,7 +16,7 @@ from ..errors import ConfigError
 from ..results import Results
 from ..verbs.compare import table
 
-PATHS = {"plant": "--plant", "scenario": "--scenario"}  # overrides that are files
+PATHS = {"plant": "--plant", "map": "--map", "scenario": "--scenario"}  # overrides that are files
 
 
 @dataclass(frozen=True)
