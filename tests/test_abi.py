@@ -28,7 +28,8 @@ CYCLES = {PROBE: 1_000_000, "DctPlant": 10_000, "DctObserver": 10_000, "DctClutc
 CYCLES_BESIDE = 1_000_000
 LOADS = 5000
 CASES = ("every_function", "without_logger", "threads", "untouched", "freed", "foreign",
-         "called_back", "shared", "extremes", "corrupted", "importers")  # fmt: skip
+         "called_back", "shared", "extremes", "corrupted", "importers", "wanders",
+         "states_travel", "states_shared", "called_elsewhere")  # fmt: skip
 # Stack of the calling thread [KiB].
 STACK = 32
 # Under valgrind: those that free, refuse and copy.

@@ -12,5 +12,7 @@ Case save, resume;
 /* misuse.c */
 Case freed, foreign, called_back, shared, extremes, too_long, corrupted, importers, panics, messages,
     overrun;
+/* wander.c */
+Case wanders, states_travel, states_shared, called_elsewhere;
 
 #endif

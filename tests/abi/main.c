@@ -17,6 +17,8 @@ static const struct {
     {"too_long", too_long},             {"corrupted", corrupted},
     {"importers", importers},           {"panics", panics},
     {"messages", messages},             {"overrun", overrun},
+    {"wanders", wanders},               {"states_travel", states_travel},
+    {"states_shared", states_shared},   {"called_elsewhere", called_elsewhere},
 };
 
 static fmi2ValueReference reference(const char *text)
