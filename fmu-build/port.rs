@@ -1,8 +1,9 @@
 //! What connects an FMU with others: its inputs and outputs, and the terminals that bundle them.
 
 use crate::description::causality;
+use crate::description::names::{self, Named};
 use crate::xml::Element;
-use fmi2_cosim::{Access, Causality, Enumeration, Model, Unit, Variable};
+use fmi2_cosim::{Access, Causality, Enumeration, Model, Unit};
 
 /// An input or output.
 #[derive(Clone, Copy)]
@@ -26,16 +27,17 @@ pub(crate) enum Kind {
 
 /// The ports of model `M`, in the order of its table.
 pub(crate) fn ports<M: Model>() -> Vec<Port> {
-    M::VARIABLES.iter().filter_map(port).collect()
+    names::all(M::VARIABLES).filter_map(port).collect()
 }
 
-fn port<M>(row: &Variable<M>) -> Option<Port> {
-    let is_port = matches!(row.causality, Causality::Input | Causality::Output);
+fn port<M>(named: Named<'_, M>) -> Option<Port> {
+    let causality = named.causality();
+    let is_port = matches!(causality, Causality::Input | Causality::Output);
     is_port.then_some(Port {
-        name: row.name,
-        causality: row.causality,
-        kind: match row.access {
-            Access::Real(_) => Kind::Real(row.unit),
+        name: named.name(),
+        causality,
+        kind: match named.row.access {
+            Access::Real(_) => Kind::Real(named.row.unit),
             Access::Integer(_) => Kind::Integer,
             Access::Boolean(_) => Kind::Boolean,
             Access::String(_) => Kind::String,

@@ -1,7 +1,8 @@
 //! The table of a model as text for people, whatever it is written into.
 
 use crate::Result;
-use crate::description::{capabilities, causality, finite, limit, starts, variability};
+use crate::description::names::Named;
+use crate::description::{capabilities, causality, finite, limit, started, variability};
 use fmi2_cosim::{Access, Enumeration, Model, Variable};
 
 /// Headings of the columns.
@@ -20,7 +21,7 @@ pub(crate) const COLUMNS: [&str; 10] = [
 
 /// What the columns mean, for the top of a page.
 pub(crate) const LEGEND: &str = "Units are SI; in brackets the unit a tool shows. vr is the value \
-     reference. Start values are given for what an importer may set; the model computes the rest.";
+     reference. Start values are given for what an importer may set, and for constants; the model computes the rest.";
 
 /// What a model's page shows of it.
 pub(crate) struct Sheet {
@@ -76,23 +77,24 @@ impl Sheet {
 
 /// One row per variable, cells as in [`COLUMNS`].
 pub(crate) fn rows<M: Model>() -> Result<Vec<[String; 10]>> {
-    let rows = M::VARIABLES.iter().enumerate().zip(starts::<M>()?);
-    rows.map(|((at, row), start)| cells(at, row, start.unwrap_or_default()))
+    let rows = started::<M>()?.into_iter();
+    rows.map(|(named, start)| cells(&named, start.unwrap_or_default()))
         .collect()
 }
 
-fn cells<M>(at: usize, row: &Variable<M>, start: String) -> Result<[String; 10]> {
+fn cells<M>(named: &Named<'_, M>, start: String) -> Result<[String; 10]> {
+    let row = named.row;
     Ok([
-        at.to_string(),
-        row.name.into(),
-        causality(row.causality).into(),
+        named.reference.to_string(),
+        named.name().into(),
+        causality(named.causality()).into(),
         variability(row.variability).into(),
         kind(row),
         shown(row, start),
         limit(row, "min", row.min)?.unwrap_or_default(),
         limit(row, "max", row.max)?.unwrap_or_default(),
         dependencies(row),
-        row.description.into(),
+        named.description().into(),
     ])
 }
 

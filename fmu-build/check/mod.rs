@@ -5,6 +5,7 @@
 //!            └─> binaries/…  ─load─> symbols, life cycle, values ┴─> Report
 //! ```
 
+mod aliases;
 mod audit;
 mod child;
 mod container;
@@ -243,6 +244,7 @@ fn check_contents(
     report.model.clone_from(&description.model_name);
     rules::check(description, report);
     roles::check(description, report);
+    aliases::check(description, report);
     let packed = description.generation_tool.starts_with(PACKER);
     audit::check(folder, options.glibc.as_ref(), packed, report)?;
     check_library(description, folder, options, report)

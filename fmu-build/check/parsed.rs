@@ -213,6 +213,11 @@ pub(super) enum Kind {
 }
 
 impl ScalarVariable {
+    /// Whether it has its start value for ever.
+    pub fn is_constant(&self) -> bool {
+        self.variability == "constant"
+    }
+
     /// Whether its type is an enumeration.
     pub fn is_enumeration(&self) -> bool {
         self.enumeration.is_some()

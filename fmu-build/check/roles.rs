@@ -1,8 +1,8 @@
-//! Rules that no validator covers: on roles, aliases, types, indices and the experiment.
+//! Rules that no validator covers: on roles, types, indices and the experiment.
 
 use super::Report;
 use super::parsed::{Attributes, Description, Kind, ScalarVariable, Unknown};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 pub(super) fn check(description: &Description, report: &mut Report) {
     check_head(description, report);
@@ -16,7 +16,6 @@ pub(super) fn check(description: &Description, report: &mut Report) {
         }
     }
     check_independents(description, report);
-    check_aliases(description, report);
     check_structure(description, report);
 }
 
@@ -135,8 +134,11 @@ fn check_role(variable: &ScalarVariable, kind: Kind, report: &mut Report) {
     if matches!(causality, "input" | "independent") && initial.is_some() {
         report.error("2.2.7", format!("{name}: no {causality} has initial"));
     }
-    if causality == "parameter" && !matches!(initial, None | Some("exact")) {
-        report.error("2.2.7", format!("{name}: initial of a parameter is exact"));
+    let given = ["parameter", "constant"].into_iter();
+    for given in given.filter(|given| [causality, variability].contains(given)) {
+        if !matches!(initial, None | Some("exact")) {
+            report.error("2.2.7", format!("{name}: initial of a {given} is exact"));
+        }
     }
     if name.trim().is_empty() || name.contains(['\n', '\r']) {
         report.error("2.2.9", format!("{name:?} is no variable name"));
@@ -213,36 +215,6 @@ fn check_independents(description: &Description, report: &mut Report) {
     }
 }
 
-/// Variables of one type and value reference are one value under several names.
-fn check_aliases(description: &Description, report: &mut Report) {
-    let mut first: HashMap<(Kind, u32), &ScalarVariable> = HashMap::new();
-    for variable in description.variables() {
-        let Some((kind, attributes)) = variable.kind() else {
-            continue;
-        };
-        let Some(alias) = first.insert((kind, variable.value_reference), variable) else {
-            continue;
-        };
-        let (one, other) = (&alias.name, &variable.name);
-        let start = alias
-            .kind()
-            .and_then(|(_, attributes)| attributes.start.as_ref());
-        if start.is_some() && attributes.start.is_some() && start != attributes.start.as_ref() {
-            report.error(
-                "2.2.7",
-                format!("the aliases {one} and {other} start differently"),
-            );
-        }
-        let settable = |v: &ScalarVariable| matches!(v.causality.as_str(), "input" | "parameter");
-        if settable(alias) && settable(variable) {
-            report.error(
-                "2.2.7",
-                format!("the aliases {one} and {other} can both be set"),
-            );
-        }
-    }
-}
-
 fn check_structure(description: &Description, report: &mut Report) {
     let structure = &description.structure;
     let lists = [
@@ -266,11 +238,12 @@ fn check_structure(description: &Description, report: &mut Report) {
 fn refuse_set_unknowns(description: &Description, report: &mut Report) {
     let set = |index: usize| {
         let variable = description.variables().get(index.wrapping_sub(1))?;
-        matches!(variable.causality.as_str(), "input" | "parameter").then_some(&variable.name)
+        let set = matches!(variable.causality.as_str(), "input" | "parameter");
+        (set || variable.is_constant()).then_some(&variable.name)
     };
     let unknowns = &description.structure.initial_unknowns.unknowns;
     for name in unknowns.iter().filter_map(|unknown| set(unknown.index)) {
-        let text = format!("InitialUnknowns: {name} is set, not computed");
+        let text = format!("InitialUnknowns: {name} is given, not computed");
         report.error("2.2.8", text);
     }
 }

@@ -47,6 +47,7 @@ fn check_presence(variable: &ScalarVariable, attributes: &Attributes, report: &m
     let name = &variable.name;
     let initial = variable.initial.as_deref();
     let needs_start = matches!(variable.causality.as_str(), "input" | "parameter")
+        || variable.is_constant()
         || matches!(initial, Some("exact" | "approx"));
     match &attributes.start {
         None if needs_start => report.error("2.2.7", format!("{name} needs a start value")),

@@ -3,6 +3,7 @@
 //! The serde structs are the elements of the FMI 2.0 schema in its order; a field whose name starts
 //! with `@` is an attribute. Numbers are text that reads back as the same bits.
 
+pub(crate) mod names;
 mod number;
 mod structure;
 #[cfg(test)]
@@ -18,7 +19,7 @@ use serde::Serialize;
 
 pub(crate) use number::finite;
 pub(crate) use units::used;
-pub(crate) use variables::{causality, limit, starts, variability};
+pub(crate) use variables::{causality, limit, started, variability};
 
 const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
 pub(crate) const GENERATION_TOOL: &str = concat!("fmu-build ", env!("CARGO_PKG_VERSION"));

@@ -1,7 +1,8 @@
 //! `ModelStructure`: which outputs depend on which variables.
 
+use super::names::{self, Named};
 use crate::{Error, Result};
-use fmi2_cosim::{Causality, Variable};
+use fmi2_cosim::{Causality, Initial, Variable};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -29,12 +30,13 @@ struct Unknown {
 
 /// Outputs with what they depend on during the run, and at initialisation.
 ///
-/// All outputs are `calculated`, so they are the initial unknowns too; locals are not, because
+/// All outputs that are `calculated`, and so all but constants, are the initial unknowns too; locals are not, because
 /// none of them is a continuous-time state (FMI 2.0.4, 2.2.8).
 pub(super) fn model_structure<M>(rows: &[Variable<M>]) -> Result<ModelStructure> {
+    let calculated = |named: &Named<'_, M>| named.initial() == Some(Initial::Calculated);
     Ok(ModelStructure {
-        outputs: unknowns(rows, |row| row.dependencies)?,
-        initial_unknowns: unknowns(rows, |row| row.initial_dependencies)?,
+        outputs: unknowns(rows, |_| true, |row| row.dependencies)?,
+        initial_unknowns: unknowns(rows, calculated, |row| row.initial_dependencies)?,
     })
 }
 
@@ -42,14 +44,15 @@ type Names = Option<&'static [&'static str]>;
 
 fn unknowns<M>(
     rows: &[Variable<M>],
-    names: impl Fn(&Variable<M>) -> Names,
+    wanted: impl Fn(&Named<'_, M>) -> bool,
+    dependencies: impl Fn(&Variable<M>) -> Names,
 ) -> Result<Option<Unknowns>> {
     let unknowns = (1..)
-        .zip(rows)
-        .filter(|(_, row)| row.causality == Causality::Output)
-        .map(|(index, row)| {
-            let dependencies = names(row)
-                .map(|names| indices(rows, row.name, names))
+        .zip(names::all(rows))
+        .filter(|(_, named)| named.causality() == Causality::Output && wanted(named))
+        .map(|(index, named)| {
+            let dependencies = dependencies(named.row)
+                .map(|names| indices(rows, named.name(), names))
                 .transpose()?;
             Ok(Unknown {
                 index,

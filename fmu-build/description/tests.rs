@@ -2,7 +2,9 @@
 
 use super::describe;
 use crate::{Error, Result};
-use fmi2_cosim::{Enumeration, Experiment, Failure, Item, Log, Model, StateFields, Unit, Variable};
+use fmi2_cosim::{
+    Alias, Enumeration, Experiment, Failure, Item, Log, Model, StateFields, Unit, Variable,
+};
 
 static MODE: Enumeration = Enumeration {
     name: "Mode",
@@ -31,6 +33,7 @@ struct Sample {
     enabled: bool,
     torque: f64,
     file: String,
+    pi: f64,
 }
 
 impl Default for Sample {
@@ -44,6 +47,7 @@ impl Default for Sample {
             enabled: true,
             torque: 0.0,
             file: "a&b.csv".into(),
+            pi: 3.25,
         }
     }
 }
@@ -77,7 +81,8 @@ impl Model for Sample {
             "T",
         )
         .depends_on(&["gear", "shaft.speed"])
-        .initially_depends_on(&[]),
+        .initially_depends_on(&[])
+        .aliases(&[Alias::output("shaft.torque", "T_s"), Alias::local("T", "T")]),
         Variable::output(
             "friction",
             Unit::NEWTON_METRE,
@@ -87,6 +92,9 @@ impl Model for Sample {
         .depends_on(&[])
         .local(),
         Variable::string_parameter("file", |m: &mut Self| &mut m.file, "File"),
+        Variable::output("pi", Unit::ONE, |m: &mut Self| &mut m.pi, "π")
+            .constant()
+            .aliases(&[Alias::local("half.turn", "π")]),
     ];
 
     fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> std::result::Result<(), Failure> {
@@ -134,7 +142,7 @@ fn start_values_are_the_models_own_to_the_last_bit() {
 
 #[test]
 fn computed_variables_have_no_start_value() {
-    assert_eq!(text().matches("<Real unit=\"N.m\"/>").count(), 2);
+    assert_eq!(text().matches("<Real unit=\"N.m\"/>").count(), 4);
 }
 
 #[test]
@@ -147,18 +155,56 @@ fn text_is_escaped() {
 fn dependencies_are_sorted_indices_counted_from_one() {
     assert_eq!(
         element(&text(), "Outputs"),
-        "<Outputs> <Unknown index=\"6\" dependencies=\"1 2\"/>"
+        "<Outputs> <Unknown index=\"6\" dependencies=\"1 2\"/> <Unknown index=\"9\" dependencies=\"\"/> \
+         <Unknown index=\"10\" dependencies=\"1 2\"/>"
     );
     assert_eq!(
         element(&text(), "InitialUnknowns"),
-        "<InitialUnknowns> <Unknown index=\"6\" dependencies=\"\"/>"
+        "<InitialUnknowns> <Unknown index=\"6\" dependencies=\"\"/> <Unknown index=\"10\" dependencies=\"\"/>"
     );
+}
+
+/// The element of a variable.
+fn variable(name: &str) -> String {
+    let text = text();
+    let from = text
+        .find(&format!("<ScalarVariable name=\"{name}\""))
+        .unwrap();
+    let rest = &text[from..];
+    let end = rest.find("</ScalarVariable>").unwrap();
+    rest[..end].split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn an_alias_has_the_value_reference_of_its_row_behind_all_rows() {
+    assert_eq!(
+        variable("shaft.torque"),
+        "<ScalarVariable name=\"shaft.torque\" valueReference=\"5\" description=\"T_s\" causality=\"output\" \
+         variability=\"continuous\" initial=\"calculated\"> <Real unit=\"N.m\"/>"
+    );
+    assert!(variable("T").contains("valueReference=\"5\" description=\"T\" causality=\"local\""));
+    let text = text();
+    let names = text.match_indices("<ScalarVariable name=\"");
+    let names = names.map(|(at, tag)| text[at + tag.len()..].split('"').next().unwrap());
+    let names: Vec<_> = names.skip(8).collect();
+    assert_eq!(names, ["pi", "shaft.torque", "T", "half.turn"]);
+}
+
+#[test]
+fn a_constant_has_its_value_under_all_its_names() {
+    let tail = "variability=\"constant\" initial=\"exact\"> <Real unit=\"1\" start=\"3.25\"/>";
+    for (name, causality) in [("pi", "output"), ("half.turn", "local")] {
+        let found = variable(name);
+        let expected =
+            format!("valueReference=\"8\" description=\"π\" causality=\"{causality}\" {tail}");
+        assert!(found.ends_with(&expected), "{found}");
+    }
 }
 
 #[test]
 fn only_units_in_use_are_defined_each_once() {
     let definitions = element(&text(), "UnitDefinitions");
-    assert_eq!(definitions.matches("<Unit ").count(), 3, "{definitions}");
+    assert_eq!(definitions.matches("<Unit ").count(), 4, "{definitions}");
     assert_eq!(definitions.matches("name=\"N.m\"").count(), 1);
     assert!(
         definitions.contains("<BaseUnit kg=\"1\" m=\"2\" s=\"-2\"/>"),

@@ -1,5 +1,6 @@
-//! `ModelVariables`: one `ScalarVariable` per row; the start values are read from the model.
+//! `ModelVariables`: one `ScalarVariable` per name; the start values are read from the model.
 
+use super::names::{self, Named};
 use super::number::{finite, integer, optional};
 use crate::Result;
 use fmi2_cosim::{Access, Causality, Initial, Model, Variability, Variable};
@@ -75,19 +76,21 @@ struct StartType {
 /// Start value of a row as the description shows it; `None` where the model computes it.
 pub(crate) type Start = Option<String>;
 
-/// Start values of all rows, read from the model through its accessors.
-pub(crate) fn starts<M: Model>() -> Result<Vec<Start>> {
+/// All variables with their start values, read from the model through its accessors.
+pub(crate) fn started<M: Model>() -> Result<Vec<(Named<'static, M>, Start)>> {
     let mut model = M::default();
-    M::VARIABLES
-        .iter()
-        .map(|row| start(row, &mut model))
-        .collect()
+    let started = |named: Named<'static, M>| {
+        let start = start(&named, &mut model)?;
+        Ok((named, start))
+    };
+    names::all(M::VARIABLES).map(started).collect()
 }
 
-fn start<M>(row: &Variable<M>, model: &mut M) -> Result<Start> {
-    if row.initial() == Some(Initial::Calculated) {
+fn start<M>(named: &Named<'_, M>, model: &mut M) -> Result<Start> {
+    if named.initial() == Some(Initial::Calculated) {
         return Ok(None);
     }
+    let row = named.row;
     let text = match row.access {
         Access::Real(field) => finite(row.name, "start", *field(model))?,
         Access::Integer(field) | Access::Enumeration(field, _) => field(model).to_string(),
@@ -98,22 +101,22 @@ fn start<M>(row: &Variable<M>, model: &mut M) -> Result<Start> {
 }
 
 pub(super) fn model_variables<M: Model>() -> Result<ModelVariables> {
-    let variables = (0..).zip(M::VARIABLES).zip(starts::<M>()?);
-    let variables = variables.map(|((at, row), start)| scalar_variable(at, row, start));
+    let variables = started::<M>()?.into_iter();
+    let variables = variables.map(|(named, start)| scalar_variable(&named, start));
     Ok(ModelVariables {
         variables: variables.collect::<Result<_>>()?,
     })
 }
 
-fn scalar_variable<M>(at: usize, row: &Variable<M>, start: Start) -> Result<ScalarVariable> {
+fn scalar_variable<M>(named: &Named<'_, M>, start: Start) -> Result<ScalarVariable> {
     Ok(ScalarVariable {
-        name: row.name,
-        value_reference: at,
-        description: row.description,
-        causality: causality(row.causality),
-        variability: variability(row.variability),
-        initial: row.initial().map(initial),
-        kind: kind(row, start)?,
+        name: named.name(),
+        value_reference: named.reference,
+        description: named.description(),
+        causality: causality(named.causality()),
+        variability: variability(named.row.variability),
+        initial: named.initial().map(initial),
+        kind: kind(named.row, start)?,
     })
 }
 
@@ -178,6 +181,7 @@ pub(crate) fn variability(variability: Variability) -> &'static str {
         Variability::Tunable => "tunable",
         Variability::Discrete => "discrete",
         Variability::Continuous => "continuous",
+        Variability::Constant => "constant",
     }
 }
 

@@ -1,6 +1,7 @@
 //! A model of this program as a component: what its FMU does, without the FMU.
 
 use super::{Kind, Part, Place, Role, Signal, whole};
+use crate::description::names;
 use crate::outside::Fault;
 use crate::{Error, Result};
 use fmi2_cosim::{Access, Category, Causality, Instance, Log, Model, Resources};
@@ -40,15 +41,15 @@ impl<M: Model> Driven<M> {
     }
 
     fn new() -> Self {
-        let rows = (0_u32..).zip(M::VARIABLES);
-        let signals = rows.filter_map(|(reference, row)| {
-            let role = match row.causality {
+        let signals = names::all(M::VARIABLES).filter_map(|named| {
+            let reference = u32::try_from(named.reference).ok()?;
+            let role = match named.causality() {
                 Causality::Input => Role::Input,
                 Causality::Output => Role::Output,
                 Causality::Parameter => Role::Parameter,
                 Causality::Local => return None,
             };
-            let kind = match row.access {
+            let kind = match named.row.access {
                 Access::Real(_) => Kind::Real,
                 Access::Integer(_) | Access::Enumeration(..) => Kind::Integer,
                 Access::Boolean(_) => Kind::Boolean,
@@ -56,7 +57,7 @@ impl<M: Model> Driven<M> {
             };
             let place = Place { kind, reference };
             Some(Signal {
-                name: row.name.into(),
+                name: named.name().into(),
                 role,
                 place,
             })

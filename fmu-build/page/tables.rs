@@ -105,12 +105,23 @@ fn shown(causality: &str) -> &'static [&'static str] {
     }
 }
 
-/// The variables of a causality.
+/// The cell of a row in a column of [`COLUMNS`].
+fn text_of<'a>(row: &'a [String; 10], column: &str) -> &'a str {
+    let at = COLUMNS.iter().position(|name| *name == column);
+    at.map_or("", |at| row[at].as_str())
+}
+
+/// The variables of a causality; the values of constants among what is computed have a column of their own.
 pub(super) fn variables(sheet: &Sheet, causality: &str) -> Table {
-    let columns = shown(causality).to_vec();
+    let mut columns = shown(causality).to_vec();
+    let constants = sheet
+        .of(causality)
+        .any(|row| !text_of(row, "start").is_empty());
+    if constants && !columns.contains(&"start") {
+        columns.insert(2, "start");
+    }
     let cell = |row: &[String; 10], column: &str| {
-        let at = COLUMNS.iter().position(|name| *name == column);
-        let text = at.map_or("", |at| row[at].as_str());
+        let text = text_of(row, column);
         match column {
             "name" => code(text),
             // The values of an enumeration have a table of their own.

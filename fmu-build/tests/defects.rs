@@ -27,11 +27,13 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
     <ScalarVariable name="y" valueReference="2" causality="output"><Real/></ScalarVariable>
     <ScalarVariable name="z" valueReference="3" causality="output"><Real/></ScalarVariable>
     <ScalarVariable name="m" valueReference="1" causality="output" variability="discrete"><Integer/></ScalarVariable>
+    <ScalarVariable name="gain" valueReference="4" causality="output" variability="constant"><Real start="2.0"/></ScalarVariable>
+    <ScalarVariable name="x" valueReference="2" causality="local"><Real/></ScalarVariable>
   </ModelVariables>
   <ModelStructure>
     <Outputs>
       <Unknown index="4" dependencies=""/><Unknown index="5" dependencies="1"/>
-      <Unknown index="6" dependencies="2"/>
+      <Unknown index="6" dependencies="2"/><Unknown index="7" dependencies=""/>
     </Outputs>
     <InitialUnknowns><Unknown index="4"/><Unknown index="5"/><Unknown index="6"/></InitialUnknowns>
   </ModelStructure>
@@ -92,6 +94,11 @@ const DEFECTS: &[(&str, &str)] = &[
         "FEEDS_THROUGH",
         "y changes at once with u, which is not among its dependencies",
     ),
+    (
+        "CONSTANT_DRIFTS",
+        "gain is a constant of 2.0, but 2.5 after 20 steps",
+    ),
+    ("CONSTANT_SET", "gain is a constant, but can be set"),
     ("SET_FORGETS", "u was set to 1.01, then it is 1.0"),
     ("SET_REFUSES_START", "T refuses its own start value 0.5"),
     (

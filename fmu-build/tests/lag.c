@@ -1,4 +1,4 @@
-/* A first-order lag as an FMU, written by hand: T x' = u - x, y = x, z = x + 2 u, m = 2 n.
+/* A first-order lag as an FMU, written by hand: T x' = u - x, y = x, z = x + gain u, m = 2 n; gain = 2.
  *
  * It is sound, and strict: as FMI 2.0.4 says in 4.2.4, nothing can be read before initialization mode.
  * Compiled with -DX it has the defect X, which the check must find. FMI's own headers are not needed: the
@@ -133,6 +133,10 @@ EXPORT Status fmi2GetReal(Component c, const Ref refs[], size_t count, double va
 #endif
         else if (refs[i] == 2) values[i] = lag->x;
         else if (refs[i] == 3) values[i] = lag->x + 2 * lag->u;
+#ifdef CONSTANT_DRIFTS
+        else if (refs[i] == 4) values[i] = lag->steps < 20 ? 2 : 2.5;
+#endif
+        else if (refs[i] == 4) values[i] = 2;
         else return ERROR;
 #ifdef NOT_A_NUMBER
         if (refs[i] == 2 && lag->steps == 7) values[i] = 0.0 / (lag->n - lag->n);
@@ -148,6 +152,9 @@ EXPORT Status fmi2GetInteger(Component c, const Ref refs[], size_t count, int va
 EXPORT Status fmi2SetReal(Component c, const Ref refs[], size_t count, const double values[]) {
     for (size_t i = 0; i < count; i++) {
         double *found = real(LAG(c), refs[i]);
+#ifdef CONSTANT_SET
+        if (refs[i] == 4) continue;
+#endif
         if (!found) return ERROR;
 #ifdef SET_FORGETS
         if (refs[i] == 0 && values[i] > 1.0) continue;

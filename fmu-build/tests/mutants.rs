@@ -258,7 +258,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     (
         "<InitialUnknowns>",
         "<InitialUnknowns><Unknown index=\"1\"/>",
-        "is set, not computed",
+        "is given, not computed",
     ),
     (
         "</Outputs>",

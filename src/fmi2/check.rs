@@ -1,6 +1,6 @@
 //! Faults of a table that the compiler reports: a wrong table does not become an FMU.
 
-use crate::{Access, Causality, Enumeration, Variability, Variable};
+use crate::{Access, Alias, Causality, Enumeration, Variability, Variable};
 
 /// Fails to compile, when called in a constant, if the table contradicts itself.
 ///
@@ -8,8 +8,8 @@ use crate::{Access, Causality, Enumeration, Variability, Variable};
 /// For more than 8192 rows, a name that is empty or used twice, `min` above `max`, limits of what has none, an
 /// enumeration whose items do not ascend, an output without `depends_on`, a dependency that is no input (an initial
 /// one: no input or parameter), a rate of anything but a continuous Real input, a slope of anything but a continuous
-/// Real output, and for `tunable`, `discrete`, `on_demand`, `depends_on` and `initially_depends_on` on a row that
-/// cannot be that.
+/// Real output, an alias that importers could set, and for `tunable`, `discrete`, `constant`, `on_demand`, `depends_on`
+/// and `initially_depends_on` on a row that cannot be that.
 pub const fn check<M>(rows: &[Variable<M>]) {
     assert!(
         rows.len() <= crate::row::MOST,
@@ -26,6 +26,7 @@ pub const fn check<M>(rows: &[Variable<M>]) {
         check_limits(row);
         check_roles(row);
         check_derivatives(row);
+        check_aliases(rows, row);
         if let Some(names) = row.dependencies {
             check_names(rows, names, false);
         }
@@ -65,15 +66,19 @@ const fn check_items(kind: &Enumeration) {
 const fn check_roles<M>(row: &Variable<M>) {
     let real = matches!(row.access, Access::Real(_));
     let computed = matches!(row.causality, Causality::Output | Causality::Local);
-    let changes = match row.variability {
-        Variability::Fixed | Variability::Tunable => false,
-        Variability::Discrete => true,
-        Variability::Continuous => real,
+    let parameter = matches!(row.causality, Causality::Parameter);
+    let fits = match row.variability {
+        Variability::Fixed | Variability::Tunable => parameter,
+        Variability::Discrete => !parameter,
+        Variability::Continuous => real && !parameter,
+        Variability::Constant => computed,
     };
     assert!(
-        changes != matches!(row.causality, Causality::Parameter),
-        "a variable has a variability that is not one of its causality: tunable is for parameters only"
+        fits,
+        "a variable has a variability that is not one of its causality: tunable is for parameters only, \
+         constant for outputs and local variables"
     );
+    check_constant(row);
     assert!(
         !matches!(row.causality, Causality::Output) || row.dependencies.is_some(),
         "an output lacks depends_on(...)"
@@ -87,6 +92,51 @@ const fn check_roles<M>(row: &Variable<M>) {
         computed || !row.on_demand,
         "only what the model computes is on demand"
     );
+}
+
+const fn check_constant<M>(row: &Variable<M>) {
+    let on_nothing = matches!(row.dependencies, Some([])) && row.initial_dependencies.is_none();
+    assert!(
+        !matches!(row.variability, Variability::Constant) || (on_nothing && !row.on_demand),
+        "a constant depends on nothing and is never computed"
+    );
+}
+
+/// What a row is called besides.
+const fn check_aliases<M>(rows: &[Variable<M>], row: &Variable<M>) {
+    let mut index = 0;
+    while index < row.aliases.len() {
+        let alias = &row.aliases[index];
+        assert!(!alias.name.is_empty(), "an alias has no name");
+        assert!(
+            position(rows, alias.name) == rows.len() && times(rows, alias.name) == 1,
+            "two variables have the same name"
+        );
+        assert!(
+            match alias.causality {
+                Causality::Local => true,
+                Causality::Output => matches!(row.causality, Causality::Output),
+                Causality::Input | Causality::Parameter => false,
+            },
+            "an alias is local; that of an output may be an output"
+        );
+        index += 1;
+    }
+}
+
+/// How many aliases have that name.
+const fn times<M>(rows: &[Variable<M>], name: &str) -> usize {
+    let (mut found, mut row) = (0, 0);
+    while row < rows.len() {
+        let aliases: &[Alias] = rows[row].aliases;
+        let mut index = 0;
+        while index < aliases.len() {
+            found += same(aliases[index].name, name) as usize;
+            index += 1;
+        }
+        row += 1;
+    }
+    found
 }
 
 const fn check_derivatives<M>(row: &Variable<M>) {
@@ -146,7 +196,7 @@ const fn same(one: &str, other: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::check;
-    use crate::{Enumeration, Item, Unit, Variable};
+    use crate::{Alias, Causality, Enumeration, Item, Unit, Variable};
 
     type Row = Variable<(f64, i32, bool)>;
 
@@ -194,6 +244,19 @@ mod tests {
         Row::enumeration_input("k", kind, |m| &mut m.1, "")
     }
 
+    const A: Alias = Alias::output("a", "");
+    const U: Alias = Alias::output("u", "");
+    const Y: Alias = Alias::output("y", "");
+    const UNNAMED: Alias = Alias::output("", "");
+    const LOCAL: Alias = Alias::local("a", "");
+    const OTHER: Alias = Alias::local("b", "");
+    const MORE: Alias = Alias::output("z1", "");
+    const THIRD: Alias = Alias::local("z2", "");
+    const SETTABLE: Alias = Alias {
+        causality: Causality::Input,
+        ..LOCAL
+    };
+
     #[test]
     fn a_table_may_hold_every_row_that_a_description_can_tell() {
         check(&[
@@ -212,7 +275,17 @@ mod tests {
                 .discrete()
                 .local(),
             Row::integer_output("i", |m| &mut m.1, "").depends_on(&["d"]),
-            Row::integer_parameter("j", |m| &mut m.1, "").tunable(),
+            Row::integer_parameter("j", |m| &mut m.1, "")
+                .tunable()
+                .aliases(&[OTHER]),
+            Row::boolean_output("c", |m| &mut m.2, "").constant(),
+            Row::output("g", Unit::ONE, |m| &mut m.0, "")
+                .local()
+                .constant()
+                .aliases(&[LOCAL]),
+            Row::output("z", Unit::ONE, |m| &mut m.0, "")
+                .depends_on(&[])
+                .aliases(&[MORE, THIRD]),
         ]);
     }
 
@@ -226,13 +299,16 @@ mod tests {
     #[test]
     fn a_fault_of_a_table_is_told() {
         let of_causality = "a variable has a variability that is not one of its causality: \
-                            tunable is for parameters only";
+                            tunable is for parameters only, constant for outputs and local variables";
         let given = "a dependency is no input; initially it may be a parameter too";
         let computed = "only what the model computes depends on others";
         let smooth_input = "a rate belongs to a continuous Real input";
+        let constant = "a constant depends on nothing and is never computed";
+        let twice = "two variables have the same name";
+        let local = "an alias is local; that of an output may be an output";
         let limited = "limits belong to a Real or an Integer";
         let cases: &[(&[Row], &str)] = &[
-            (&[input(), input()], "two variables have the same name"),
+            (&[input(), input()], twice),
             (
                 &[Row::boolean_input("", |m| &mut m.2, "")],
                 "a variable has no name",
@@ -252,6 +328,19 @@ mod tests {
             (&[output().tunable()], of_causality),
             (&[flag().tunable()], of_causality),
             (&[parameter().discrete()], of_causality),
+            (&[input().constant()], of_causality),
+            (&[parameter().constant()], of_causality),
+            (&[output().depends_on(&["u"]).constant(), input()], constant),
+            (&[output().constant().on_demand()], constant),
+            (&[output().constant().initially_depends_on(&[])], constant),
+            (&[output().aliases(&[Y])], twice),
+            (&[output().aliases(&[U]), input()], twice),
+            (&[output().aliases(&[A, A])], twice),
+            (&[output().aliases(&[A]), input().aliases(&[LOCAL])], twice),
+            (&[output().aliases(&[UNNAMED])], "an alias has no name"),
+            (&[input().aliases(&[A])], local),
+            (&[output().local().aliases(&[A])], local),
+            (&[output().aliases(&[SETTABLE])], local),
             (
                 &[Row::integer_output("y", |m| &mut m.1, "")],
                 "an output lacks depends_on(...)",

@@ -3,7 +3,7 @@
 
 use crate::hash::Hash;
 use crate::row::{has_strings, rows};
-use crate::{Access, Enumeration, Model, Unit, Variable};
+use crate::{Access, Alias, Enumeration, Model, Unit, Variable};
 
 /// GUID of model `M`, as in `modelDescription.xml`: `{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}`.
 #[must_use]
@@ -82,6 +82,21 @@ const fn add<M>(hash: &mut Hash, row: &Variable<M>) {
     names(hash, row.initial_dependencies);
     if let Access::Enumeration(_, kind) = row.access {
         enumeration(hash, kind);
+    }
+    if !row.aliases.is_empty() {
+        aliases(hash, row.aliases);
+    }
+}
+
+const fn aliases(hash: &mut Hash, aliases: &[Alias]) {
+    count(hash, aliases.len());
+    let mut index = 0;
+    while index < aliases.len() {
+        let alias = &aliases[index];
+        hash.text(alias.name);
+        hash.text(alias.description);
+        hash.bytes(&[alias.causality as u8]);
+        index += 1;
     }
 }
 

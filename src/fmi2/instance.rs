@@ -141,7 +141,7 @@ impl<M: Model> Instance<M> {
         let (mut computed, mut on_demand) = (false, false);
         for &reference in references {
             let (row, _) = find::<M, T>(reference)?;
-            computed |= row.is_computed();
+            computed |= row.computed;
             on_demand |= row.on_demand;
         }
         if computed && self.now.stale || on_demand {
@@ -324,7 +324,7 @@ impl<M: Model> Instance<M> {
     #[cold]
     #[inline(never)]
     fn look_for_no_number(&mut self) -> Result<(), Error> {
-        for row in rows::<M>().filter(|row| row.is_computed()) {
+        for row in rows::<M>().filter(|row| row.computed) {
             let Some(field) = f64::field(&row.access) else {
                 continue;
             };
@@ -384,6 +384,8 @@ fn derivative<M: Model>(
     })
 }
 
+#[cfg(test)]
+mod constant;
 #[cfg(test)]
 mod on_demand;
 #[cfg(test)]

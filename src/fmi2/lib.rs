@@ -1,6 +1,7 @@
 #![doc = include_str!("README.md")]
 #![deny(unsafe_code)]
 
+mod alias;
 mod check;
 mod enumeration;
 mod error;
@@ -23,6 +24,7 @@ mod value;
 pub mod variable;
 mod variables;
 
+pub use alias::Alias;
 pub use check::check;
 pub use enumeration::{Enumeration, Item};
 pub use error::{Error, Status};

@@ -17,6 +17,8 @@ pub struct Row<M: 'static> {
     pub(crate) slope: Option<fn(&mut M) -> &mut f64>,
     pub(crate) causality: Causality,
     pub(crate) variability: Variability,
+    /// The model computes it: an output or a local variable that is no constant.
+    pub(crate) computed: bool,
     pub(crate) on_demand: bool,
 }
 
@@ -49,13 +51,10 @@ impl<M> Row<M> {
             slope: variable.slope,
             causality: variable.causality,
             variability: variable.variability,
+            computed: !matches!(variable.variability, Variability::Constant)
+                && matches!(variable.causality, Causality::Output | Causality::Local),
             on_demand: variable.on_demand,
         }
-    }
-
-    /// Whether it is an output or a local variable.
-    pub(crate) fn is_computed(&self) -> bool {
-        matches!(self.causality, Causality::Output | Causality::Local)
     }
 }
 
@@ -66,6 +65,27 @@ pub(crate) const fn has_strings<M: Model>() -> bool {
         row += 1;
     }
     row < M::VARIABLES.len()
+}
+
+/// Whether a model has constants. If not, nothing of them gets into its library.
+pub(crate) const fn has_constants<M: Model>() -> bool {
+    let mut row = 0;
+    while row < M::VARIABLES.len()
+        && !matches!(M::VARIABLES[row].variability, Variability::Constant)
+    {
+        row += 1;
+    }
+    row < M::VARIABLES.len()
+}
+
+/// How many variables the description of a model has: as many as it has names. An importer may read all in one call.
+pub(crate) const fn names<M: Model>() -> usize {
+    let (mut names, mut row) = (M::VARIABLES.len(), 0);
+    while row < M::VARIABLES.len() {
+        names += M::VARIABLES[row].aliases.len();
+        row += 1;
+    }
+    names
 }
 
 /// The rows of a model, in the order of the table.

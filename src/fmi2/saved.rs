@@ -4,14 +4,14 @@
 //! magic 8 | version 4 | GUID 16 | length of the payload 8 | checksum of the payload 16 | payload
 //! ```
 //!
-//! All little-endian. The payload holds life cycle, times, all variables of the table with their
+//! All little-endian. The payload holds life cycle, times, all variables of the table but constants, with their
 //! rates, and the model's hidden state.
 
 use crate::guid::table_hash;
 use crate::hash::Hash;
-use crate::row::{Row, has_strings, rows};
+use crate::row::{Row, has_constants, has_strings, rows};
 use crate::value::finite;
-use crate::{Access, Causality, Error, Model, State, StateFields, Value as _};
+use crate::{Access, Causality, Error, Model, State, StateFields, Value as _, Variability};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
 const VERSION: u32 = 2;
@@ -146,7 +146,7 @@ impl<M: Model> Saved<M> {
 
     /// Refuses what is not all numbers, by the name of the first variable that is none.
     pub(crate) fn check_numbers(&mut self) -> Result<(), Error> {
-        for row in rows::<M>().filter(|row| row.is_computed()) {
+        for row in rows::<M>().filter(|row| row.computed) {
             if let (true, Access::Real(field)) = (self.has_begun(), row.access) {
                 finite(row.name, *field(&mut self.model))?;
             }
@@ -162,6 +162,9 @@ impl<M: Model> Saved<M> {
             fields.real(time);
         }
         for row in rows::<M>() {
+            if const { has_constants::<M>() } && row.variability == Variability::Constant {
+                continue;
+            }
             match row.access {
                 Access::Real(field) => fields.real(field(&mut self.model)),
                 Access::Boolean(field) => fields.boolean(field(&mut self.model)),

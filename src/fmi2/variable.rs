@@ -14,7 +14,7 @@
 //! # assert_eq!(VARIABLES[2].name, "level");
 //! ```
 
-use crate::{Enumeration, Unit};
+use crate::{Alias, Enumeration, Unit};
 
 /// How the shell reaches a variable of model `M`, and its FMI type: to read it as well.
 ///
@@ -79,6 +79,8 @@ pub enum Variability {
     Discrete,
     /// Changes all the time.
     Continuous,
+    /// Has its start value for ever.
+    Constant,
 }
 
 /// FMI's `initial`. Inputs have none.
@@ -130,6 +132,8 @@ pub struct Variable<M: 'static> {
     pub slope: Option<fn(&mut M) -> &mut f64>,
     /// Outputs and locals: `update_outputs` of the model computes it, not `step`.
     pub on_demand: bool,
+    /// Further names of the value.
+    pub aliases: &'static [Alias],
 }
 
 impl<M> Clone for Variable<M> {
@@ -162,6 +166,7 @@ impl<M> Variable<M> {
             rate: None,
             slope: None,
             on_demand: false,
+            aliases: &[],
         }
     }
 
@@ -276,6 +281,22 @@ impl<M> Variable<M> {
         self
     }
 
+    /// Makes an output, or a local variable, a constant: importers read its start value, always. The model may use
+    /// the field, but not change it; `cargo fmu check` tells if it does.
+    pub const fn constant(mut self) -> Self {
+        self.variability = Variability::Constant;
+        if self.dependencies.is_none() {
+            self.dependencies = Some(&[]);
+        }
+        self
+    }
+
+    /// Gives the value further names; all have one value reference.
+    pub const fn aliases(mut self, aliases: &'static [Alias]) -> Self {
+        self.aliases = aliases;
+        self
+    }
+
     /// The inputs an output depends on directly; `&[]`: on states only.
     pub const fn depends_on(mut self, names: &'static [&'static str]) -> Self {
         self.dependencies = Some(names);
@@ -308,10 +329,10 @@ impl<M> Variable<M> {
 
     /// FMI's `initial`; `None` for inputs.
     pub const fn initial(&self) -> Option<Initial> {
-        match self.causality {
-            Causality::Input => None,
-            Causality::Parameter => Some(Initial::Exact),
-            Causality::Output | Causality::Local => Some(Initial::Calculated),
+        match (self.causality, self.variability) {
+            (Causality::Input, _) => None,
+            (Causality::Parameter, _) | (_, Variability::Constant) => Some(Initial::Exact),
+            (Causality::Output | Causality::Local, _) => Some(Initial::Calculated),
         }
     }
 }

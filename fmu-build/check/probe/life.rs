@@ -93,6 +93,7 @@ fn check_start(
         }
     };
     let exact = variable.initial.as_deref() == Some("exact")
+        || variable.is_constant()
         || matches!(variable.causality.as_str(), "input" | "parameter");
     let Some(start) = attributes.start.as_ref().filter(|_| exact) else {
         return Ok(());

@@ -1,7 +1,7 @@
 //! Whether a run can be repeated: after fmi2Reset, in a new instance, and beside another one.
 
 use super::super::Report;
-use super::session::{Session, values};
+use super::session::{Run, Session, values};
 use super::stimuli::{Rows, Stimuli};
 use crate::Result;
 
@@ -12,6 +12,7 @@ pub(super) fn check(session: &Session<'_>, report: &mut Report) -> Result<()> {
     let run = session.run()?;
     let first = stimuli.record(&run, 0..STEPS)?;
     check_finite(&stimuli, &first, report);
+    check_constants(session, &run, report)?;
     run.reset(session)?;
     let again = stimuli.record(&run, 0..STEPS)?;
     compare(
@@ -42,6 +43,20 @@ fn check_finite(stimuli: &Stimuli<'_>, rows: &Rows, report: &mut Report) {
             );
         }
     }
+}
+
+/// They are as the description says after steps, too.
+fn check_constants(session: &Session<'_>, run: &Run<'_>, report: &mut Report) -> Result<()> {
+    for constant in session.constants() {
+        let found = constant.get(&run.instance)?;
+        let start = constant.attributes.start.as_deref();
+        if let Some(start) = start.filter(|start| !found.equals(start)) {
+            let name = constant.name();
+            let text = format!("{name} is a constant of {start}, but {found} after {STEPS} steps");
+            report.error("2.2.7", text);
+        }
+    }
+    Ok(())
 }
 
 /// Two instances at once, of which the other sees other inputs and takes its steps in between.

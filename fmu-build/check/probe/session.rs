@@ -98,8 +98,17 @@ impl<'a> Session<'a> {
 
     /// Variables of a causality.
     pub(super) fn all(&self, causality: &str) -> Vec<Variable<'a>> {
+        self.chosen(|variable| variable.causality == causality)
+    }
+
+    /// Variables that have their start value for ever.
+    pub(super) fn constants(&self) -> Vec<Variable<'a>> {
+        self.chosen(ScalarVariable::is_constant)
+    }
+
+    fn chosen(&self, wanted: impl Fn(&ScalarVariable) -> bool) -> Vec<Variable<'a>> {
         let variables = (1..).zip(self.description.variables());
-        let chosen = variables.filter(|(_, variable)| variable.causality == causality);
+        let chosen = variables.filter(|(_, variable)| wanted(variable));
         let typed = chosen.filter_map(|(index, variable)| {
             let (kind, attributes) = variable.kind()?;
             Some(Variable {

@@ -12,6 +12,7 @@ pub(super) fn check(session: &Session<'_>, report: &mut Report) -> Result<()> {
     check_starts(session, report)?;
     check_inputs(session, report)?;
     check_parameters(session, report)?;
+    check_constants(session, report)?;
     check_categories(session, report)?;
     check_memory(session, report)?;
     check_cancel(session, report)
@@ -63,6 +64,20 @@ fn check_parameters(session: &Session<'_>, report: &mut Report) -> Result<()> {
         let set = parameter.set(&instance, &value);
         if set.and_then(|()| session.initialize(&instance)).is_ok() {
             compare(parameter, &value, &parameter.get(&instance)?, report);
+        }
+    }
+    Ok(())
+}
+
+/// Nobody sets constants, not even before the start.
+fn check_constants(session: &Session<'_>, report: &mut Report) -> Result<()> {
+    for constant in session.constants() {
+        let instance = session.initializing()?;
+        let start = constant.get(&instance)?;
+        let set = other(&constant, &start).map(|value| constant.set(&instance, &value));
+        if set.is_some_and(|set| set.is_ok()) {
+            let name = constant.name();
+            report.warn("2.2.7", format!("{name} is a constant, but can be set"));
         }
     }
     Ok(())

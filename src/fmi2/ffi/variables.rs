@@ -4,6 +4,7 @@ use super::pointer::{place, slice, slice_mut, usable};
 use super::real::Other;
 use super::{Component, Library, Status, real};
 use crate::handle::Entered;
+use crate::row::names;
 use crate::value::Value;
 use crate::{Call, Error, Instance, Model};
 use core::ffi::{c_int, c_void};
@@ -54,7 +55,7 @@ impl<M: Model> Library<M> {
         values: *mut A,
     ) -> bool {
         Self::plainly(enter(), |instance| {
-            if count.wrapping_sub(1) >= M::VARIABLES.len() || !usable(references, values) {
+            if count.wrapping_sub(1) >= const { names::<M>() } || !usable(references, values) {
                 return false;
             }
             // SAFETY: usable, and by the importer's promise of that length; read after the call only.
@@ -308,9 +309,9 @@ unsafe fn derivatives<'a>(
     }
 }
 
-/// Refuses counts that no call without repetition can have.
+/// Refuses counts that no call without repetition of a name can have.
 pub(super) fn plausible<M: Model>(count: usize) -> Result<(), Error> {
-    if count > M::VARIABLES.len() {
+    if count > const { names::<M>() } {
         Err(Error::Count(count))
     } else {
         Ok(())

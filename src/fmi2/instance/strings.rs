@@ -21,7 +21,7 @@ impl<M: Model> Instance<M> {
     ) -> Result<impl Iterator<Item = String>, Error> {
         self.permit(Call::GetString)?;
         let found = all::<M>(references)?;
-        if found.iter().any(|(row, _)| row.is_computed()) {
+        if found.iter().any(|(row, _)| row.computed) {
             self.refresh(log)?;
         }
         let model = &mut self.now.model;
