@@ -73,6 +73,12 @@ def tank(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return fmu
 
 
+def test_the_page_and_the_readme_of_the_crate_show_the_same_package() -> None:
+    readme = (ROOT / "src/fmi2/README.md").read_text(encoding="utf-8")
+    for name in ("src/lib.rs", "Cargo.toml"):
+        assert _listing(name).rstrip() in readme
+
+
 def test_its_fmu_is_valid(tank: Path) -> None:
     done = _cargo("fmu", "check", tank, folder=tank.parent)
     assert done.returncode == 0, done.stdout + done.stderr

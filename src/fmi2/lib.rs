@@ -38,3 +38,12 @@ pub use state::{Call, State};
 pub use unit::{DisplayUnit, Unit};
 pub use value::Value;
 pub use variable::{Access, Causality, Initial, Variability, Variable};
+
+#[cfg(test)]
+mod tests {
+    /// The second example of the README runs the model of the first one, which is also in this file.
+    #[test]
+    fn the_readme_shows_the_model_that_its_examples_run() {
+        assert!(include_str!("README.md").contains(include_str!("doc/tank.rs")));
+    }
+}
