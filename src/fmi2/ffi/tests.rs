@@ -339,9 +339,9 @@ fn the_logger_may_call_another_instance() {
 
 #[test]
 fn threads_that_share_an_instance_by_mistake_are_let_in_one_at_a_time() {
-    let c = running().expose_provenance();
+    let c = running().addr();
     let calls = || {
-        let c = core::ptr::with_exposed_provenance_mut(c);
+        let c = without_provenance_mut(c);
         (0..10_000).map(|_| set_u(c, 1.0)).collect::<Vec<_>>()
     };
     let all: Vec<_> = std::thread::scope(|scope| {
@@ -354,7 +354,7 @@ fn threads_that_share_an_instance_by_mistake_are_let_in_one_at_a_time() {
     let known = [Status::Ok, Status::Error];
     assert!(all.iter().all(|status| known.contains(status)));
     assert!(all.contains(&Status::Ok));
-    free(core::ptr::with_exposed_provenance_mut(c));
+    free(without_provenance_mut(c));
 }
 
 #[test]
