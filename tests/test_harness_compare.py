@@ -182,9 +182,29 @@ def test_exit_code_table_json_and_junit_tell_the_regression(
     )
     assert cli.main(["compare", *pair, "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
+    assert {o["unit"] for o in told} == {"s", "N.m"}
     assert {o["name"]: o["passed"] for o in told} == {
         "time": True, "plant.a": False, "plant.b": True,
     }  # fmt: skip
+
+
+def test_a_terminal_shows_digits_that_tell_and_json_all_of_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names, files = ["time", "plant.a"], [str(tmp_path / "ref"), str(tmp_path / "new")]
+    told = {"signals": {"plant.a": {"unit": "N.m", "type": "Real"}}}
+    for file, change in zip(files, (0.0, -1 / 300), strict=True):
+        rows = np.column_stack([TIME, 100 * step(1.0) - 1 / 7])
+        rows[500, 1] += change
+        results.write(Path(file), names, rows, told)
+    assert cli.main(["compare", *files]) == 1
+    row = capsys.readouterr().out.splitlines()[2].split()
+    assert row[2:6] == ["0.5", "−0.1429", "−0.1462", "N·m"]
+    assert " ".join(row[7:]) == "differs by 0.00333, allowed 9.99·10⁻⁵"
+    assert cli.main(["compare", *files, "--json"]) == 1
+    exact = json.loads(capsys.readouterr().out)[1]
+    assert (exact["reference"], exact["unit"]) == (-1 / 7, "N.m")
+    assert exact["value"] == -1 / 7 - 1 / 300
 
 
 def test_allowance_of_the_command_line_passes(

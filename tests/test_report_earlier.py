@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from dct_harness import cli, report, results
 from dct_harness.errors import ConfigError
-from dct_harness.report import earlier, runs, typography
+from dct_harness.kpi import typography
+from dct_harness.report import earlier, runs
 from test_report import LINES, Visit, browser, shots
 from test_report_data import write_all, write_run
 
@@ -66,6 +67,10 @@ def test_units_are_printed_as_people_write_them(name: str, printed: str) -> None
 
 
 def test_only_negative_numbers_have_a_minus_sign() -> None:
+    assert typography.shortened("differs by 5100.5, allowed 1e-09", 3) == (
+        "differs by 5100, allowed 1·10⁻⁹"
+    )
+    assert typography.pair(1.0, float("inf")) == ("1.00", "inf")
     assert typography.minus("-3.2 %, map-based, 1e-05, <-.4") == "−3.2 %, map-based, 1e-05, <−.4"
 
 

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from .. import __version__, results
-from ..kpi import KPIS
+from ..kpi import KPIS, typography
 from . import (
     benefit,
     calibration,
@@ -28,7 +28,6 @@ from . import (
     runs,
     shaft_model,
     study_page,
-    typography,
 )
 from .picture import picture
 from .runs import View

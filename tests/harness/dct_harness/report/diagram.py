@@ -8,7 +8,7 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
-from . import typography
+from ..kpi import typography
 
 BOX = (176, 76)  # px, least height
 GAP = 146  # px between boxes

@@ -11,8 +11,8 @@ from ..compare import Tolerances, compare
 from ..errors import ConfigError, did_you_mean, instant
 from ..kpi import registry
 from ..kpi.table import UNDEFINED, shown
+from ..kpi.typography import figure, pair, unit
 from .runs import View, load
-from .typography import figure, pair, unit
 
 Json = dict[str, Any]
 SIGNALS = 12  # the signals that changed most

@@ -11,7 +11,8 @@ from pathlib import Path
 from .. import results
 from ..compare import Outcome, Tolerance, Tolerances, compare, tolerances
 from ..errors import instant
-from ..kpi.table import aligned
+from ..kpi.table import UNDEFINED, aligned
+from ..kpi.typography import figure, pair, shortened, unit
 from . import junit
 from .arguments import Verbs, add_loudness, amount, verb
 
@@ -98,9 +99,8 @@ def table(outcomes: list[Outcome], everything: bool) -> str:
 
 
 def _cells(o: Outcome) -> list[str]:
-    def shown(value: float | None, form: str) -> str:
-        return "–" if value is None else format(value, form)
-
-    return [o.name, f"{o.worst:.3g}", shown(o.time, "g"), shown(o.reference, ".6g"),
-            shown(o.value, ".6g"), o.unit, shown(o.nrmse, ".2g"),
-            "pass" if o.passed else o.reason]  # fmt: skip
+    time, reason = UNDEFINED, o.reason  # of what is not there, or ends elsewhere
+    if o.time is not None:
+        time, reason = instant(o.time), shortened(o.reason, 3)
+    return [o.name, figure(o.worst, 3), time, *pair(o.reference, o.value), unit(o.unit),
+            figure(o.nrmse, 2), "pass" if o.passed else reason]  # fmt: skip
