@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,8 @@ STIFFNESS, DAMPING = shaft.TABLE_1.stiffness, shaft.TABLE_1.damping
 SPEED_NOISE = 0.1  # rad/s, white, on both speeds
 TORQUE_NOISE = 2.0  # N·m, of a torque-measuring flange
 SEEDS = range(12)
+SKEWED = 1e-6  # relative: ω_c/g of two ways to scale it differ by rounding
+A_ROW = 1e-4  # relative: a larger torque may reach the built-up one a row earlier
 CLEAN = 0.01  # relative: ω_c2/g2 stands for ω_o, and the shaft of the open clutch swings by itself
 CURED = 0.05  # relative, of the mean over all seeds
 TORQUES = ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
@@ -115,6 +118,26 @@ def test_the_verb_reads_measurements(
     assert "the speeds end there as 11.82 : 1, --ratio is 11.52\n" in said
     assert "k_o [N·m/rad]" in said
     assert "instrumental variables" in said
+    assert re.search(r"torque +k_o +\+1 %  c_o +\+1 %$", said, re.MULTILINE)  # k, c ~ T_o
+
+
+def test_the_verb_tells_what_an_input_that_is_read_too_high_does(
+    launch: Results, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = []
+    for g in (RATIO, RATIO / 1.01):  # as if ω_c were read 1 % too high
+        assert cli.main(["identify", str(launch.path), "--json", "--ratio", repr(g)]) == 0
+        told.append(json.loads(capsys.readouterr().out))
+    for fit, skewed in zip(*told, strict=True):
+        moves = fit["readTooHigh"]
+        assert moves["share"] == 0.01
+        for key in ("stiffness", "damping"):
+            value = fit[key]["value"]
+            assert moves["torque"][key] == pytest.approx(0.01 * value, rel=A_ROW)
+            moved = skewed[key]["value"] - value
+            assert moves["clutch_speed"][key] == pytest.approx(moved, rel=SKEWED)
+            assert moves["wheel_speed"][key] * moved < 0
+            assert abs(moved) > 5 * abs(moves["torque"][key])
 
 
 @pytest.mark.parametrize(("options", "said"), [

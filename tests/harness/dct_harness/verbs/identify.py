@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import measured, shaft
 from ..errors import ConfigError, did_you_mean
+from ..kpi.typography import minus
 from .arguments import Verbs, add_loudness, amount, say, seconds, verb
 
 EXAMPLES = """identify launch.csv
@@ -23,6 +24,10 @@ LENGTH_HELP = "from the built-up torque on (%(default)s): short, the twist integ
 TORQUE_HELP = "|T_o| [N·m] from which rows count (%(default)s): past the backlash"
 NAMES = {"clutch_speed": "clutch2.speed", "wheel_speed": "wheel.speed",
          "torque": "driveShaft.torque"}  # fmt: skip
+INPUTS = {"clutch_speed": "clutch speed, or a ratio {} too low", "wheel_speed": "wheel speed",
+          "torque": "torque"}  # fmt: skip
+HIGH = 0.01  # by how much an input is read too high, to see what that does
+Moves = dict[str, float]  # stiffness [N·m/rad], damping [N·m·s/rad]
 REMARKS = {
     "paper": "(18) as printed: noise draws c towards 0",
     "prefilter": f"(18) behind a low-pass of {shaft.estimates.CUTOFF:g} Hz: less so",
@@ -68,13 +73,49 @@ def identify(args: argparse.Namespace) -> int:
         channels = measured.Mapping.load(args.map).apply(channels)
     chosen = [_channel(channels, getattr(args, option), args.source) for option in NAMES]
     rows = measured.common(chosen, None, None, None).rows
-    rate = rows[:, 1] / args.ratio - rows[:, 2]
     window = shaft.Window(args.built_up, args.length, args.start)
-    fits = [shaft.identify(rows[:, 0], rate, rows[:, 3], window, m) for m in shaft.METHODS]
+    fits = _fits(rows, args.ratio, window)
     ratios = f"the speeds end there as {_ratio(rows, fits[0]):.4g} : 1, --ratio is {args.ratio:g}"
     _check(fits, ratios)
-    say(args, table(fits, ratios), [asdict(fit) for fit in fits])
+    moved = _moved(rows, args.ratio, window, fits)
+    text = f"{table(fits, ratios)}\n\n{_doubt(fits[-1], moved[-1])}"
+    told = [asdict(fit) | {"readTooHigh": {"share": HIGH, **moves}}
+            for fit, moves in zip(fits, moved, strict=True)]  # fmt: skip
+    say(args, text, told)
     return 0
+
+
+def _fits(rows: np.ndarray, ratio: float, window: shaft.Window) -> list[shaft.Fit]:
+    """Return what each method finds in rows of time, ω_c, ω_w and T_o."""
+    rate = rows[:, 1] / ratio - rows[:, 2]
+    return [shaft.identify(rows[:, 0], rate, rows[:, 3], window, m) for m in shaft.METHODS]
+
+
+def _moved(
+    rows: np.ndarray, ratio: float, window: shaft.Window, fits: list[shaft.Fit]
+) -> list[dict[str, Moves]]:
+    """Return by method and input how far k_o and c_o go when that input is read too high."""
+    found: list[dict[str, Moves]] = [{} for _ in fits]
+    for column, name in enumerate(NAMES, 1):
+        scale = np.ones(rows.shape[1])
+        scale[column] += HIGH
+        for moves, was, now in zip(found, fits, _fits(rows * scale, ratio, window), strict=True):
+            moves[name] = {"stiffness": now.stiffness.value - was.stiffness.value,
+                           "damping": now.damping.value - was.damping.value}  # fmt: skip
+    return found
+
+
+def _doubt(fit: shaft.Fit, moves: dict[str, Moves]) -> str:
+    """Return what errors that are no noise would do, a line per input."""
+    share = f"{100 * HIGH:g} %"
+    lines = [f"± is of white noise alone. An input that is read {share} too high moves what "
+             f"{fit.method} finds by"]  # fmt: skip
+    whole = {"stiffness": fit.stiffness.value, "damping": fit.damping.value}
+    for name, label in INPUTS.items():
+        percents = (100 * moves[name][key] / (value or math.nan) for key, value in whole.items())
+        k, c = (minus(f"{percent:+.2g} %") for percent in percents)
+        lines.append(f"  {label.format(share):42} k_o {k:>8}  c_o {c:>8}")
+    return "\n".join(lines)
 
 
 def _ratio(rows: np.ndarray, fit: shaft.Fit) -> float:
