@@ -1,12 +1,15 @@
 """A closed loop as one writes it with fmpy: `FMU2Slave`, lists of references, lists of values.
 
 References and sources are looked up once, each step sets all inputs of an FMU in one call per
-type, steps it and gets all its outputs in one call per type. Functions of this file travel to dask.
+type, steps it and gets its outputs in one call per type: all of them, or those that are read or
+recorded where the plan names the signals to record. Functions of this file travel to dask.
 """
 
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
+from operator import itemgetter
 from typing import Any
 
 TYPES = ("Real", "Integer", "Boolean")  # in this order lie signals in a row
@@ -15,7 +18,7 @@ TYPES = ("Real", "Integer", "Boolean")  # in this order lie signals in a row
 class Part:
     """One FMU, what it reads, and where its outputs lie in a row."""
 
-    def __init__(self, component: dict[str, Any], first: int) -> None:
+    def __init__(self, component: dict[str, Any], first: int, wanted: set[str] | None) -> None:
         from fmpy import extract, read_model_description
         from fmpy.fmi2 import FMU2Slave
 
@@ -29,7 +32,8 @@ class Part:
         self.slave.instantiate()
         for name, value in component["start"]:
             self._set(name, value)
-        outputs = [v for v in description.modelVariables if v.causality == "output"]
+        outputs = [v for v in description.modelVariables if v.causality == "output"
+                   and (wanted is None or f"{component['name']}.{v.name}" in wanted)]  # fmt: skip
         self.names = [f"{component['name']}.{v.name}" for t in TYPES
                       for v in outputs if _type(v) == t]  # fmt: skip
         self.getters = []
@@ -84,10 +88,14 @@ class Loop:
         self.script = script
         names = [f"scenario.{name}" for name in plan["script"]]
         self.parts = []
+        record = plan.get("record")  # two signals at least, or None: all
+        read = {i["source"] for c in plan["components"] for i in c["inputs"]}
+        wanted = None if record is None else read | set(record)
         for component in plan["components"]:
-            self.parts.append(Part(component, len(names)))
+            self.parts.append(Part(component, len(names), wanted))
             names += self.parts[-1].names
         places = {name: k for k, name in enumerate(names)}
+        self.row = list if record is None else itemgetter(*(places[name] for name in record))
         self.world = [0.0] * len(names)
         self._play(0)
         for part, component in zip(self.parts, plan["components"], strict=True):
@@ -107,16 +115,16 @@ class Loop:
         row = self.script[k]
         self.world[: len(row)] = row
 
-    def steps(self, times: list[float]) -> list[list[float]]:
+    def steps(self, times: list[float]) -> list[Sequence[float]]:
         """Step all FMUs along the communication points [s]; returns a row for each."""
-        rows = [self.world[:]]
+        rows = [self.row(self.world)]
         for k in range(len(times) - 1):
             for part in self.parts:
                 part.set(self.world)
                 part.slave.doStep(times[k], times[k + 1] - times[k])
                 part.get(self.world)
             self._play(k + 1)
-            rows.append(self.world[:])
+            rows.append(self.row(self.world))
         return rows
 
     def close(self) -> None:

@@ -1,7 +1,8 @@
 """Closed loops by the compiled master: against loops of other masters, on threads, around nothing.
 
 CPU times of paired rounds. Every engine steps the same FMUs over the same seconds; loading and
-writing stay out. ecos keeps no signal, so beside it the compiled master keeps none either; all
+writing stay out. ecos keeps no signal, so beside it the compiled master keeps none either; runs of
+a sweep keep the signals of the KPIs, as `dct-harness sweep` does, and once more every signal; all
 others keep every signal of each step, in memory that the process has had before.
 """
 
@@ -12,7 +13,7 @@ import resource
 import sys
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ import dask_sweep
 import fmpy_loop
 import in_ecos
 import numpy as np
+from dct_harness import kpi
 from dct_harness.master.master import Run
 from dct_harness.master.native import NativeRun
 from dct_harness.system import system
@@ -124,10 +126,9 @@ class Loops:
         whole, start = (self._bulk(plan, script, BULK, 1, points) for points in (None, 2))
         return whole - start
 
-    def native(self, runs: int, threads: int, points: int | None = None) -> float:
-        """Return the CPU time of one run by the compiled master [s], over the first `points`."""
-        run = self._planned
-        return self._bulk(run.plan, run.script, runs, threads, points)
+    def native(self, runs: int, threads: int, plan: str | None = None) -> float:
+        """Return the CPU time of one run by the compiled master [s]; of another `plan`."""
+        return self._bulk(plan or self.plan, self.script, runs, threads, None)
 
     def _bulk(
         self, plan: str, script: np.ndarray, runs: int, threads: int, points: int | None
@@ -178,27 +179,32 @@ class Loops:
         """CPU time of a loop from Python and without it [s], shape (rounds, 2)."""
         return np.array([(self.compiled(), self.alone()) for _ in range(self.rounds)])
 
-    def plain(self) -> float:
-        """Return the CPU time of the loop by the plain loop of `fmpy_loop` [s].
+    @cached_property
+    def judged(self) -> str:
+        """The plan that records what the row of a study needs: the signals that its KPIs read."""
+        names, _ = self.rows(self.plan, self.script)
+        read = kpi.reads(names, {"system": self.model.as_dict()})
+        return json.dumps({**json.loads(self.plan), "record": [n for n in names if n in read]})
+
+    def plain(self, plan: str | None = None) -> float:
+        """Return the CPU time of the loop, or of another `plan`, by `fmpy_loop` [s].
 
         Raises
         ------
         SystemExit
             It does not give the numbers of the compiled master, all bits of them.
         """
-        run = self._planned
+        run, plan = self._planned, plan or self.plan
         times, script = run.times.tolist(), run.script.tolist()
-        loop = fmpy_loop.Loop(json.loads(run.plan), times[-1], script)
-        rows: list[list[float]] = []
+        loop = fmpy_loop.Loop(json.loads(plan), times[-1], script)
+        rows: list[Sequence[float]] = []
         try:
             spent = _cpu(lambda: rows.extend(loop.steps(times)))
         finally:
             loop.close()
-        ((_, ours, error, _),) = self.module.run(
-            [run.plan], run.times, np.ascontiguousarray(run.script), 1
-        )
-        if error or not np.array_equal(ours, rows):
-            raise SystemExit(f"the plain loop and the compiled master differ: {error}")
+        _, ours = self.rows(plan, run.script)
+        if not np.array_equal(ours, rows):
+            raise SystemExit("the plain loop and the compiled master differ")
         return spent
 
     @cached_property
@@ -241,18 +247,24 @@ class Loops:
 
     @cached_property
     def sweeps(self) -> np.ndarray:
-        """CPU time of a run of a sweep, by dask with the plain loop and by us [s], shape (2).
+        """CPU time of a run of a sweep, by dask with the plain loop and by us [s], shape (2, 2).
 
-        A run of either is whole: it opens the FMUs or takes opened ones, starts, steps and frees.
-        Either has made runs before, which are not counted: the cluster has been started, and the
-        machine has given the memory that rows take. The rows of one run per worker or thread are
-        there at a time.
+        First with what a row of a study needs recorded, then with every signal. A run is whole:
+        it opens the FMUs or takes opened ones, starts, steps and frees. Either has made runs
+        before, which are not counted: the cluster has been started, and the machine has given the
+        memory that rows take. The rows of one run per worker or thread are there at a time.
         """
+        self.plain(self.judged)  # which tells whether both make the same rows
+        return np.array([(self._on_dask(plan), self._swept(plan))
+                         for plan in (self.judged, self.plan)])  # fmt: skip
+
+    def _on_dask(self, plan: str) -> float:
         run = self._planned
-        work = (json.loads(run.plan), run.times.tolist(), run.script.tolist())
-        dask = dask_sweep.cpu(SWEPT, work)
-        _, *native = [self.native(MANY, 2) for _ in range(4)]
-        return np.array([dask, np.median(native)])
+        return dask_sweep.cpu(SWEPT, (json.loads(plan), run.times.tolist(), run.script.tolist()))
+
+    def _swept(self, plan: str) -> float:
+        _, *native = [self.native(MANY, 2, plan) for _ in range(4)]
+        return float(np.median(native))
 
     def fmpy(self) -> float:
         """Return the CPU time of the loop on fmpy [s]."""
