@@ -73,8 +73,8 @@ pub struct Anchor {
     mean: f64,
     /// Σ p_S, Σ p_S ŝ_S, Σ p_S (v_S + ŝ_S²) of those that were heard since.
     sum: [f64; 3],
-    /// S, as of the witnesses, that is heard next: 1 where wrong, else 0.
-    suspected: Suspected,
+    /// Number of the suspicion that is heard next [1]: its binary digits tell which witnesses are wrong.
+    turn: f64,
 }
 
 impl Anchor {
@@ -113,20 +113,20 @@ impl Anchor {
 
     /// Hears the next suspicion; after the last one, what all say together.
     fn hear(&mut self, shown: &Shown, sigma: [f64; WITNESSES + 1]) {
-        for said in shown.suspecting(self.suspected, sigma) {
+        for said in shown.suspecting(suspected(self.turn), sigma) {
             self.sum[0] += said.weight;
             self.sum[1] += said.weight * said.s;
             self.sum[2] += said.weight * (said.variance + said.s * said.s);
         }
-        next(&mut self.suspected);
-        let all = self.suspected == [0.0; WITNESSES];
+        self.turn += 1.0;
+        let all = self.turn >= TURNS;
         let [weight, first, second] = self.sum;
         if all && weight > 0.0 {
             self.mean = first / weight;
             self.variance = (second / weight - self.mean * self.mean).max(0.0);
         }
         if all {
-            self.sum = [0.0; 3];
+            (self.turn, self.sum) = (0.0, [0.0; 3]);
         }
     }
 
@@ -136,18 +136,20 @@ impl Anchor {
         visit(&mut self.variance);
         visit(&mut self.mean);
         self.sum.iter_mut().for_each(&mut *visit);
-        self.suspected.iter_mut().for_each(visit);
+        visit(&mut self.turn);
     }
 }
 
-/// Counts through all suspicions; none comes after all.
-fn next(suspected: &mut Suspected) {
-    for one in suspected {
-        *one = 1.0 - *one;
-        if *one > 0.0 {
-            return;
+/// The suspicion of a number, from nobody, 0, to all.
+fn suspected(turn: f64) -> Suspected {
+    let (mut rest, mut weight, mut wrong) = (turn, TURNS, [0.0; WITNESSES]);
+    for wrong in wrong.iter_mut().rev() {
+        weight *= 0.5;
+        if rest >= weight {
+            (rest, *wrong) = (rest - weight, 1.0);
         }
     }
+    wrong
 }
 
 /// What a suspicion says.
@@ -231,7 +233,9 @@ fn spread(sigma: f64, wrong: bool) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Anchor, ODDS, Ratios, Shown, Square, Suspected, WITNESSES, before, next, spread};
+    use super::{
+        Anchor, ODDS, Ratios, Shown, Square, Suspected, WITNESSES, before, spread, suspected,
+    };
 
     const SIGMA: [f64; WITNESSES + 1] = [0.06, 0.3, 0.1, 0.2, 0.1, 0.2];
 
@@ -317,9 +321,10 @@ mod tests {
                 s,
             )
         };
-        let mut wrong = [0.0; WITNESSES];
-        let unit = shown.suspecting(wrong, SIGMA)[0].weight / density(wrong, false).0;
-        for _ in 0..32 {
+        let nobody = [0.0; WITNESSES];
+        let unit = shown.suspecting(nobody, SIGMA)[0].weight / density(nobody, false).0;
+        for turn in 0..32 {
+            let wrong = suspected(f64::from(turn));
             for (torque, said) in [false, true]
                 .into_iter()
                 .zip(shown.suspecting(wrong, SIGMA))
@@ -335,9 +340,14 @@ mod tests {
                     said.s
                 );
             }
-            next(&mut wrong);
         }
-        assert_eq!(wrong, [0.0; WITNESSES]);
+    }
+
+    #[test]
+    fn a_number_tells_who_is_suspected() {
+        for (turn, wrong) in [(0.0, [0; 5]), (5.0, [1, 0, 1, 0, 0]), (31.0, [1; 5])] {
+            assert_eq!(suspected(turn), wrong.map(f64::from), "{turn}");
+        }
     }
 
     #[test]

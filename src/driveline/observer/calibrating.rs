@@ -278,8 +278,9 @@ impl Calibrating {
         let forget = if engaged { 0.0 } else { SMOOTH / (h + SMOOTH) };
         let smoothed = |now: [f64; 2]| [0, 1].map(|j| now[j] + (last[j] - now[j]) * forget);
         let view = self.view(p, sample);
-        let (motion, model) = (view.motion(h, smoothed), view.model);
+        let (motion, model, t_e) = (view.motion(h, smoothed), view.model, view.engine_torque());
         self.slope = smoothed(motion.slope);
+        self.tracker.swing(p, &model, t_e, h);
         let gains = &settings.calibrating;
         let mut q = gains.intensities(&gains.start());
         q[T_V] = self.pace(p, gains.sensor, q[T_V], h);

@@ -94,7 +94,7 @@ impl<'a> View<'a> {
     }
 
     /// Engine torque with its offset [N·m].
-    fn engine_torque(&self) -> f64 {
+    pub fn engine_torque(&self) -> f64 {
         self.sample.t_e + self.x[BETA]
     }
 

@@ -29,6 +29,7 @@ use crate::observer::grip::Hold;
 use crate::observer::lock::TIME;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::Speeds;
+use crate::observer::swing::Swing;
 use crate::observer::tracker::{OPEN, T_C, Tracker, W_E, W_O};
 use crate::observer::{Sample, forces};
 use nalgebra::SVector;
@@ -55,12 +56,33 @@ impl<const N: usize> Tracker<N> {
     pub fn engage(&mut self, p: &Params, sample: &Sample) {
         let engaged = self.lock.harder(forces(p, sample));
         if engaged != self.engaged {
+            self.belief.x[W_E] += self.swings(p, sample);
             for (clutch, sign) in [(self.engaged, -1.0), (engaged, 1.0)] {
                 if let Some(i) = clutch {
                     self.add(T_C + i, T_C + 1 - i, sign);
                 }
             }
+            if engaged.is_none() {
+                let x = &self.belief.x;
+                self.swing = Swing::rest(p, sample.t_e, x[T_C] + x[T_C + 1]);
+            }
             self.engaged = engaged;
+        }
+    }
+
+    /// What the swing of the damper adds to ω_e of the filter [rad/s].
+    pub(super) fn swings(&self, p: &Params, sample: &Sample) -> f64 {
+        if self.engaged.is_some() || pressed(p, sample) == [true; 2] {
+            return 0.0;
+        }
+        self.swing.shown
+    }
+
+    /// Lets the damper swing over a step `h` [s]; `t_e`: of the engine [N·m].
+    pub fn swing(&mut self, p: &Params, model: &Speeds, t_e: f64, h: f64) {
+        if self.engaged.is_none() {
+            let (x, j_e) = (&self.belief.x, model.j_ed * p.j_e / p.j_ed());
+            self.swing.step(p, j_e, [t_e, x[T_C] + x[T_C + 1]], h);
         }
     }
 
@@ -82,6 +104,7 @@ impl<const N: usize> Tracker<N> {
             belief,
             friction,
             lock,
+            swing,
             ..
         } = self;
         for (i, hold) in hold.into_iter().enumerate() {
@@ -90,6 +113,7 @@ impl<const N: usize> Tracker<N> {
             let after = before + hold.change(before, known);
             let relative = FORCE[usize::from(!friction.known(i))];
             belief.x[T_C + i] = after;
+            swing.load += after - before;
             belief.p[(T_C + i, T_C + i)] +=
                 relative * relative * (after * after - before * before).abs();
         }

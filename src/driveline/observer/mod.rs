@@ -45,6 +45,7 @@ pub mod select;
 pub mod shift;
 pub mod speeds;
 mod standstill;
+mod swing;
 mod ticks;
 mod tracker;
 pub mod walk;

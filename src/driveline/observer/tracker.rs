@@ -14,6 +14,7 @@ use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::{Speeds, output_speed};
 use crate::observer::standstill::held;
+use crate::observer::swing::Swing;
 use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
 use nalgebra::SVector;
 
@@ -66,6 +67,8 @@ pub struct Tracker<const N: usize> {
     /// Mean over the speeds of innovation² over its variance [1], as with the noise that is believed, through a low pass:
     /// 1 where the filter is right about itself, less where speeds are quieter.
     pub surprise: f64,
+    /// The damper while no clutch is engaged: at rest where the method does not let it swing.
+    pub swing: Swing,
 }
 
 impl<const N: usize> Default for Tracker<N> {
@@ -83,6 +86,7 @@ impl<const N: usize> Default for Tracker<N> {
             monitor: Monitor::default(),
             g: [0.0; 2],
             surprise: 0.0,
+            swing: Swing::default(),
         }
     }
 }
@@ -103,6 +107,7 @@ impl<const N: usize> Tracker<N> {
         self.take_speeds(p, sample, wheel);
         self.lock.start(p, sample);
         self.engage(p, sample);
+        self.swing = Swing::rest(p, sample.t_e, 0.0);
         self.monitor.start(p, sample);
     }
 
@@ -156,13 +161,14 @@ impl<const N: usize> Tracker<N> {
         h: f64,
     ) {
         let (g, before) = (p.g(sample.gear), self.belief.x);
+        let omega_e = sample.omega_e - self.swings(p, sample);
         let [r, r_w] = sensor.map(|sigma| sigma * sigma);
         self.innovation = [
-            sample.omega_e - before[W_E],
+            omega_e - before[W_E],
             output_speed(g, sample) - before[W_O],
             sample.omega_w - along(wheel, &before),
         ];
-        let mut normalised = self.measure(&[(W_E, 1.0)], sample.omega_e, r);
+        let mut normalised = self.measure(&[(W_E, 1.0)], omega_e, r);
         let mut count = 2.0;
         for i in (0..2).filter(|i| g[*i] != 0.0) {
             normalised += self.measure(&[(W_O, g[i])], sample.omega_c[i], r);
@@ -271,6 +277,7 @@ impl<const N: usize> Tracker<N> {
         self.monitor.visit(visit);
         self.g.iter_mut().for_each(&mut *visit);
         visit(&mut self.surprise);
+        self.swing.visit(visit);
     }
 }
 

@@ -13,13 +13,12 @@
 //! a T_v that is free costs little, and takes what the model lacks. The power was chosen so that T_v is as free on half of
 //! the noise as it was when one pace had to do.
 //!
-//! **Where it is wrong.** Of 100 runs each with 0.1 rad/s of noise dry7 misses T_o 2.5 % in five, by up to 3.7: its launch
-//! tells the mass of the vehicle, ν, from T_v late. What is then learnt moves T̂_v by 30 to 80 N·m, which is taken for
-//! motion; with q_v = 2000 instead of 50 δ, γ and ν settle 7 % too high, three of their deviations, and the common factor
-//! goes with them. So in wet6 and with linings that fade. With 50 throughout dry7 has 1.3 % at most of 40 seeds, but grades
-//! that change are missed. Kick-down misses by β instead (0.4 N·m by noise; with β known 1.8 % at most of 40), creep by λ.
+//! **Where it is wrong.** What is learnt late of the vehicle's mass, ν, moves T̂_v, and that is taken for motion: with linings
+//! that fade and in wet6 δ, γ and ν may then settle too high together, and the common factor with them. Kick-down misses by
+//! β instead (0.4 N·m by noise; with β known 1.8 % at most of 40 seeds), creep by λ. PAPER.md counts the runs. dry7, which
+//! missed most, by 3.7 % T_o at most, did so by the swing of its damper (`swing.rs`).
 //!
-//! Tried against it, at 95 % of 60 to 100 seeds, most in brackets, T_o in %:
+//! Tried against it before that swing was known, at 95 % of 60 to 100 seeds, most in brackets, T_o in %:
 //!
 //! | tried | better | worse |
 //! | --- | --- | --- |
