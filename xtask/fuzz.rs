@@ -152,7 +152,6 @@ fn fuzz(sanitizer: Sanitizer, target: (&str, u32), seconds: u32) -> Result<(), F
         made(Path::new(OUT).join("found").join(&label))?,
         made(Path::new(OUT).join("reproducers"))?,
     ];
-    let log = Path::new(OUT).join(format!("{label}.log"));
     let mut command = Command::new(sanitizer.program(name));
     command
         .arg(format!(
@@ -169,11 +168,16 @@ fn fuzz(sanitizer: Sanitizer, target: (&str, u32), seconds: u32) -> Result<(), F
         ])
         .arg(found)
         .arg(Path::new(CORPUS).join(name));
-    let file = |error| Failure::File {
+    heard(&mut command, &label)
+}
+
+/// Runs a target with its words in `LABEL.log`.
+fn heard(command: &mut Command, label: &str) -> Result<(), Failure> {
+    let log = Path::new(OUT).join(format!("{label}.log"));
+    let words = File::create(&log).map_err(|error| Failure::File {
         path: log.clone(),
         error,
-    };
-    let words = File::create(&log).map_err(file)?;
+    })?;
     let status = command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -185,7 +189,7 @@ fn fuzz(sanitizer: Sanitizer, target: (&str, u32), seconds: u32) -> Result<(), F
         return Ok(());
     }
     Err(Failure::Command {
-        line: line(&command),
+        line: line(command),
         what: format!(
             "{}\nthe target {label} failed; all it said is in {}",
             end(&said),

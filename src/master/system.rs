@@ -233,17 +233,7 @@ impl System {
         libraries: &mut Libraries,
     ) -> Result<(Plan, Vec<bool>), Error> {
         let opened = self.opened(folder, libraries)?;
-        let mut components = vec![];
-        for ((name, part), library) in self.parts.iter().zip(&opened) {
-            components.push(Component {
-                name: name.clone(),
-                start: self.values(name, part, library.description())?,
-                fmu: library.path.clone(),
-                inputs: vec![],
-                substeps: part.substeps.get(),
-                mapped: None,
-            });
-        }
+        let mut components = self.unconnected(&opened)?;
         let supplier = self.supplier(&opened, &mut components)?;
         let seen = self.parts.iter().zip(&opened).map(|((name, _), library)| {
             let ours = supplier.as_ref().filter(|_| name == PLANT);
@@ -270,6 +260,21 @@ impl System {
             record: None,
         };
         Ok((plan, held))
+    }
+
+    /// The components with their start values, before anything is connected.
+    fn unconnected(&self, opened: &[Arc<Library>]) -> Result<Vec<Component>, Error> {
+        let component = |((name, part), library): (&(String, Part), &Arc<Library>)| {
+            Ok(Component {
+                name: name.clone(),
+                start: self.values(name, part, library.description())?,
+                fmu: library.path.clone(),
+                inputs: vec![],
+                substeps: part.substeps.get(),
+                mapped: None,
+            })
+        };
+        self.parts.iter().zip(opened).map(component).collect()
     }
 
     fn opened(&self, folder: &Path, libraries: &mut Libraries) -> Result<Vec<Arc<Library>>, Error> {

@@ -109,14 +109,7 @@ fn told(
             .to_string_lossy()
             .into_owned()
     };
-    let coupling = match note("coupling") {
-        None | Some("gauss-seidel") => Coupling::GaussSeidel,
-        Some("jacobi") => Coupling::Jacobi,
-        Some(other) => {
-            let what = format!("coupling = '{other}' is neither gauss-seidel nor jacobi");
-            return Err(at(file, notes.unwrap_or(root), what));
-        }
-    };
+    let coupling = coupling(note("coupling")).map_err(|what| at(file, notes.unwrap_or(root), what));
     let scenario = note("scenario").map(|name| {
         let found = package.file(name);
         found.ok_or_else(|| at(file, notes.unwrap_or(root), format!("has no '{name}'")))
@@ -132,11 +125,21 @@ fn told(
         step: notes.map_or(Ok(STEP), |node| number(file, node, "step", STEP))?,
         stop: stop.transpose()?,
         scenario: scenario.transpose()?,
-        coupling,
+        coupling: coupling?,
         interpolate: note("interpolate") == Some("true"),
         members,
         connections,
     })
+}
+
+fn coupling(noted: Option<&str>) -> Result<Coupling, String> {
+    match noted {
+        None | Some("gauss-seidel") => Ok(Coupling::GaussSeidel),
+        Some("jacobi") => Ok(Coupling::Jacobi),
+        Some(other) => Err(format!(
+            "coupling = '{other}' is neither gauss-seidel nor jacobi"
+        )),
+    }
 }
 
 /// What `export-ssp` has noted.
