@@ -97,8 +97,9 @@ def _pool(
                     except BrokenProcessPool:
                         yield job, None
         except BaseException:
+            processes = list((pool._processes or {}).values())  # a pool that is shut down has none
             pool.shutdown(wait=False, cancel_futures=True)
-            for process in list((pool._processes or {}).values()):
+            for process in processes:
                 process.terminate()
             raise
 
