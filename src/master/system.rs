@@ -301,8 +301,7 @@ impl System {
         let values = plant(components).map(|plant| plant.start.clone());
         let shared = supplier.shared(&values.unwrap_or_default());
         let all = components.iter_mut().zip(opened);
-        let there = all.filter(|(part, _)| mapping.share.contains(&part.name));
-        for (part, library) in there {
+        for (part, library) in all.filter(|(part, _)| mapping.share.contains(&part.name)) {
             supplier.share(&shared, library.description(), &mut part.start);
         }
         Ok(Some(supplier))
