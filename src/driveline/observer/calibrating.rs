@@ -60,7 +60,7 @@ use crate::observer::instant::Instant;
 use crate::observer::prior::Prior;
 use crate::observer::standstill::unsure;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
-use crate::observer::walk::Walk;
+use crate::observer::walk::{Seen, Walk};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use core::ops::Range;
 use nalgebra::{ComplexField, SMatrix, SVector};
@@ -253,15 +253,20 @@ impl Calibrating {
     /// q_v, at most `most` [(N·m)²/s], of speeds whose noise is `believed` [rad/s].
     ///
     /// All of it while the vehicle begins to roll: no standstill shows its rolling resistance.
-    fn pace(&mut self, p: &Params, believed: f64, most: f64, h: f64) -> f64 {
-        let x = &self.tracker.belief.x;
-        let (t_v, v) = (x[T_V], p.road.r_w * x[W_W]);
+    fn pace(&mut self, p: &Params, sample: &Sample, believed: f64, most: f64, h: f64) -> f64 {
+        let Belief { x, p: variance } = &self.tracker.belief;
+        let v = p.road.r_w * x[W_W];
+        let seen = Seen {
+            t_v: x[T_V],
+            t_a: self.view(p, sample).pull(),
+            sigma_nu: ComplexField::sqrt(variance[(NU, NU)]),
+        };
         let quiet = self.heard.quiet(believed);
-        let seen = self.walk.intensity(t_v, quiet, most, h);
+        let pace = self.walk.intensity(&seen, quiet, most, h);
         if ROLLS.contains(&(v.abs() / p.road.v_eps)) {
             most
         } else {
-            seen
+            pace
         }
     }
 
@@ -283,7 +288,7 @@ impl Calibrating {
         self.tracker.swing(p, &model, t_e, h);
         let gains = &settings.calibrating;
         let mut q = gains.intensities(&gains.start());
-        q[T_V] = self.pace(p, gains.sensor, q[T_V], h);
+        q[T_V] = self.pace(p, sample, gains.sensor, q[T_V], h);
         self.tracker.noise(&model, hold, &mut q);
         let q = q * h;
         let belief = &mut self.tracker.belief;

@@ -93,6 +93,13 @@ impl<'a> View<'a> {
         self.p.road.load_torque(self.x[W_W], 0.0)
     }
 
+    /// T_a = T_o − T_v − T_r − T_b: what accelerates the vehicle [N·m].
+    pub fn pull(&self) -> f64 {
+        let (x, c) = (self.x, self.model.c);
+        let t_o = x[T_S] + c * (x[W_O] - x[W_W]);
+        t_o - x[T_V] - self.resistance() - brake(self.p, self.sample)
+    }
+
     /// Engine torque with its offset [N·m].
     pub fn engine_torque(&self) -> f64 {
         self.sample.t_e + self.x[BETA]
