@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -13,10 +12,8 @@ import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
+from outside import BUILT, ROOT, cargo, listing, write_package
 
-ROOT = Path(__file__).resolve().parent.parent
-PAGE = (ROOT / "docs/pages/howto/your-own-fmu.md").read_text(encoding="utf-8")
-BUILT = ROOT / "target" / "outside"  # stays warm, unlike the package
 LEFT = 5.0  # s, in which a tank empties to 1/e
 ROUNDING = 1e-12  # relative: sixty steps of some 1e-16 each
 
@@ -24,49 +21,15 @@ ROUNDING = 1e-12  # relative: sixty steps of some 1e-16 each
 ABORT = '\n[profile.release]\npanic = "abort"\nstrip = false\n'
 
 
-def _listing(name: str) -> str:
-    """Return the block of the page that begins with the comment of a file's name."""
-    (found,) = re.findall(rf"^```\w+\n(?:#|//) {re.escape(name)}\n(.*?)^```$", PAGE, re.M | re.S)
-    return found
-
-
-def _package(folder: Path, manifest: str, code: str) -> Path:
-    (folder / "src").mkdir(parents=True)
-    path = (ROOT / "src/fmi2").as_posix()
-    (folder / "Cargo.toml").write_text(manifest.replace("../dct/src/fmi2", path))
-    (folder / "src/lib.rs").write_text(code)
-    return folder
-
-
-def _cargo(*words: object, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run cargo with `cargo-fmu` in the search path, as after `cargo install`; no network."""
-    tool = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    env = os.environ | {
-        "PATH": f"{tool}{os.pathsep}{os.environ['PATH']}",
-        "CARGO_TARGET_DIR": str(BUILT),
-        "CARGO_NET_OFFLINE": "true",
-    }
-    return subprocess.run(["cargo", *map(str, words)], cwd=folder, env=env, capture_output=True,
-                          text=True, check=False)  # fmt: skip
-
-
-@pytest.fixture(scope="module", autouse=True)
-def tool() -> None:
-    """Build `cargo-fmu`, which the FMUs of the other tests were built with."""
-    subprocess.run(
-        ["cargo", "build", "--quiet", "--release", "-p", "fmu-build"], cwd=ROOT, check=True
-    )
-
-
 @pytest.fixture(scope="module")
 def tank(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the FMU of the page's package, in a folder whose name is no plain one."""
     folder = tmp_path_factory.mktemp("outside") / "a tänk"
-    code = _listing("src/lib.rs").replace(
+    code = listing("src/lib.rs").replace(
         "let full =", 'assert!(self.inflow < 1e3, "burst");\n        let full ='
     )
-    _package(folder, _listing("Cargo.toml") + ABORT, code)
-    done = _cargo("fmu", "build", "--out", "out", folder=folder)
+    write_package(folder, listing("Cargo.toml") + ABORT, code)
+    done = cargo("fmu", "build", "--out", "out", folder=folder)
     assert done.returncode == 0, done.stderr
     fmu = folder / "out/Tank.fmu"
     assert done.stdout == f"{fmu}\n"
@@ -76,11 +39,11 @@ def tank(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_page_and_the_readme_of_the_crate_show_the_same_package() -> None:
     readme = (ROOT / "src/fmi2/README.md").read_text(encoding="utf-8")
     for name in ("src/lib.rs", "Cargo.toml"):
-        assert _listing(name).rstrip() in readme
+        assert listing(name).rstrip() in readme
 
 
 def test_its_fmu_is_valid(tank: Path) -> None:
-    done = _cargo("fmu", "check", tank, folder=tank.parent)
+    done = cargo("fmu", "check", tank, folder=tank.parent)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "valid, 1 start values compared" in done.stdout
     assert validate_fmu(str(tank)) == []
@@ -127,9 +90,9 @@ def test_its_name_is_all_that_is_told_of_this_machine(tank: Path) -> None:
 def test_what_is_missing_is_told(
     tmp_path: Path, manifest: tuple[str, str], code: tuple[str, str], told: str
 ) -> None:
-    text, rust = _listing("Cargo.toml"), _listing("src/lib.rs")
-    _package(tmp_path / "tank", text.replace(*manifest, 1), rust.replace(*code))
-    done = _cargo("fmu", "build", "--manifest-path", "tank", folder=tmp_path)
+    text, rust = listing("Cargo.toml"), listing("src/lib.rs")
+    write_package(tmp_path / "tank", text.replace(*manifest, 1), rust.replace(*code))
+    done = cargo("fmu", "build", "--manifest-path", "tank", folder=tmp_path)
     assert done.returncode == 1
     assert re.search(told, done.stderr), done.stderr
 
@@ -138,15 +101,15 @@ def test_a_workspace_gives_the_fmus_of_all_its_packages(tmp_path: Path) -> None:
     (tmp_path / "Cargo.toml").write_text(
         '[workspace]\nresolver = "3"\nmembers = ["tank", "plain"]\n'
     )
-    _package(tmp_path / "tank", _listing("Cargo.toml"), _listing("src/lib.rs"))
-    _package(tmp_path / "plain", '[package]\nname = "plain"\nversion = "0.1.0"\n', "")
-    done = _cargo("fmu", "build", "--manifest-path", tmp_path / "Cargo.toml", folder=tmp_path)
+    write_package(tmp_path / "tank", listing("Cargo.toml"), listing("src/lib.rs"))
+    write_package(tmp_path / "plain", '[package]\nname = "plain"\nversion = "0.1.0"\n', "")
+    done = cargo("fmu", "build", "--manifest-path", tmp_path / "Cargo.toml", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout == f"{BUILT / 'fmu/Tank.fmu'}\n"
     (tmp_path / "tank/Cargo.toml").unlink()
-    _package(tmp_path / "none", '[package]\nname = "tank"\nversion = "0.1.0"\n', "")
+    write_package(tmp_path / "none", '[package]\nname = "tank"\nversion = "0.1.0"\n', "")
     (tmp_path / "none/Cargo.toml").rename(tmp_path / "tank/Cargo.toml")
-    done = _cargo("fmu", "build", folder=tmp_path)
+    done = cargo("fmu", "build", folder=tmp_path)
     assert done.returncode == 1
     assert "no package of the workspace" in done.stderr
 
@@ -204,16 +167,16 @@ CURVE = [0.0, 0.125, 0.75]  # W at 0, 1, 2
 
 
 def test_files_of_a_model_travel_in_its_fmu(tmp_path: Path) -> None:
-    package = _package(tmp_path / "fan", _listing("Cargo.toml").replace("tank", "fan"), FAN)
-    missing = _cargo("fmu", "build", folder=package)
+    package = write_package(tmp_path / "fan", listing("Cargo.toml").replace("tank", "fan"), FAN)
+    missing = cargo("fmu", "build", folder=package)
     assert missing.returncode == 1
     assert "resources: the model reads files of its FMU, but there are none" in missing.stderr
     (package / "resources/maps").mkdir(parents=True)
     (package / "resources/maps/curve.txt").write_text("".join(f"{value}\n" for value in CURVE))
-    done = _cargo("fmu", "build", "--out", "out", folder=package)
+    done = cargo("fmu", "build", "--out", "out", folder=package)
     assert done.returncode == 0, done.stderr
     fmu = package / "out/Fan.fmu"
-    checked = _cargo("fmu", "check", fmu, folder=package)
+    checked = cargo("fmu", "check", fmu, folder=package)
     assert checked.returncode == 0, checked.stdout
     shutil.rmtree(package / "resources")  # the FMU has its own
     for speed, power in enumerate(CURVE):
@@ -222,11 +185,11 @@ def test_files_of_a_model_travel_in_its_fmu(tmp_path: Path) -> None:
 
 
 def test_without_its_files_there_is_no_instance_and_the_log_says_why(tmp_path: Path) -> None:
-    package = _package(tmp_path / "fan", _listing("Cargo.toml").replace("tank", "fan"), FAN)
+    package = write_package(tmp_path / "fan", listing("Cargo.toml").replace("tank", "fan"), FAN)
     (package / "resources/maps").mkdir(parents=True)
     (package / "resources/maps/curve.txt").write_text("a curve\n")
-    done = _cargo("fmu", "build", "--out", "out", folder=package)
+    done = cargo("fmu", "build", "--out", "out", folder=package)
     assert done.returncode == 0, done.stderr
-    checked = _cargo("fmu", "check", package / "out/Fan.fmu", folder=package)
+    checked = cargo("fmu", "check", package / "out/Fan.fmu", folder=package)
     assert checked.returncode == 3
     assert "fmi2Instantiate: invalid float literal" in checked.stdout

@@ -11,7 +11,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
-from test_outside import _cargo, _listing, _package, tool  # noqa: F401
+from outside import cargo, listing, write_package
 
 STONE = """
 use fmi2_cosim::{Alias, Enumeration, Experiment, Failure, Item, Log, Model, StateFields};
@@ -79,20 +79,20 @@ ALIASES = {"F": "hand.force", "stone.mass": "mass", "planet.gravity": "gravity",
 
 
 def _manifest() -> str:
-    return _listing("Cargo.toml").replace("tank", "stone")
+    return listing("Cargo.toml").replace("tank", "stone")
 
 
 @pytest.fixture(scope="module")
 def stone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return `Stone.fmu`."""
-    folder = _package(tmp_path_factory.mktemp("names") / "stone", _manifest(), STONE)
-    done = _cargo("fmu", "build", "--out", "out", folder=folder)
+    folder = write_package(tmp_path_factory.mktemp("names") / "stone", _manifest(), STONE)
+    done = cargo("fmu", "build", "--out", "out", folder=folder)
     assert done.returncode == 0, done.stderr
     return folder / "out/Stone.fmu"
 
 
 def test_validators_find_nothing(stone: Path) -> None:
-    done = _cargo("fmu", "check", stone, folder=stone.parent)
+    done = cargo("fmu", "check", stone, folder=stone.parent)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.endswith(f"valid, {2 + len(CONSTANTS)} start values compared\n")
     assert validate_fmu(str(stone)) == []
@@ -167,8 +167,8 @@ def test_nobody_sets_a_constant(stone: Path, tmp_path: Path) -> None:
 def test_a_table_that_breaks_the_rules_does_not_compile(
     row: tuple[str, str], told: str | None, tmp_path: Path
 ) -> None:
-    package = _package(tmp_path / "stone", _manifest(), STONE.replace(*row, 1))
-    done = _cargo("check", folder=package)
+    package = write_package(tmp_path / "stone", _manifest(), STONE.replace(*row, 1))
+    done = cargo("check", folder=package)
     assert (done.returncode == 0) == (told is None), done.stderr
     assert (told or "") in done.stderr
 
@@ -176,9 +176,9 @@ def test_a_table_that_breaks_the_rules_does_not_compile(
 def test_a_constant_that_the_model_changes_is_found(tmp_path: Path) -> None:
     head, tail = STONE.split("fn step")
     code = f"{head}fn step{tail.replace('Ok(())', 'self.corners -= 1; Ok(())', 1)}"
-    package = _package(tmp_path / "stone", _manifest(), code)
-    done = _cargo("fmu", "build", "--out", "out", folder=package)
+    package = write_package(tmp_path / "stone", _manifest(), code)
+    done = cargo("fmu", "build", "--out", "out", folder=package)
     assert done.returncode == 0, done.stderr
-    checked = _cargo("fmu", "check", package / "out/Stone.fmu", folder=package)
+    checked = cargo("fmu", "check", package / "out/Stone.fmu", folder=package)
     assert checked.returncode == 3
     assert "corners is a constant of 7, but -13 after 20 steps" in checked.stdout
