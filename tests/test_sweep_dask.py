@@ -15,7 +15,7 @@ from dct_harness.sweep import on_dask
 from dct_harness.sweep.bundle import BLOBS, Bundle
 from dct_harness.sweep.cases import Job
 from dct_harness.sweep.on_dask import HERE, RUN, SCRATCH, cluster
-from dct_harness.sweep.workers import Row, Setup, run_one
+from dct_harness.sweep.runs import Row, Setup, run_one
 from distributed import LocalCluster, get_worker
 from harness_fixture.lag_fmu import harness, write_system
 

@@ -12,9 +12,9 @@ from dct_harness.errors import ConfigError
 from dct_harness.fmu import fmu as fmu_module
 from dct_harness.fmu.archive import unpack
 from dct_harness.fmu.kept import Kept
-from dct_harness.sweep import workers
+from dct_harness.sweep import runs
 from dct_harness.sweep.cases import Job
-from dct_harness.sweep.workers import Row, Setup, run_one
+from dct_harness.sweep.runs import Row, Setup, run_one
 from harness_fixture.lag_fmu import harness, write_system
 
 LOOP = "examples/closed_loop/torque_tracking_case1.toml"
@@ -31,7 +31,7 @@ def unpacked(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
         return unpack(path)
 
     monkeypatch.setattr(fmu_module, "unpack", noted)
-    monkeypatch.setattr(workers, "KEPT", Kept())
+    monkeypatch.setattr(runs, "KEPT", Kept())
     return found
 
 
@@ -53,7 +53,7 @@ def test_a_run_finds_fmus_open_and_gives_the_same_row(
     again = rows(tmp_path, engine, Path("target/fmu"))
     assert len(unpacked) == 3
     assert json.dumps(again) == json.dumps(first)
-    monkeypatch.setattr(workers, "KEPT", None)
+    monkeypatch.setattr(runs, "KEPT", None)
     alone = rows(tmp_path, engine, Path("target/fmu"))
     assert len(unpacked) == 9
     assert json.dumps(alone) == json.dumps(first)

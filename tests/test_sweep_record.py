@@ -20,7 +20,7 @@ from dct_harness.fmu.ports import OURS
 from dct_harness.master.native import NativeRun
 from dct_harness.results import Results
 from dct_harness.sweep.cases import Job
-from dct_harness.sweep.workers import COURSES, Setup, attempt, run_one
+from dct_harness.sweep.runs import COURSES, Setup, attempt, run_one
 from dct_harness.verbs import run as run_verb
 from harness_fixture.lag_fmu import write_fmu, write_system
 

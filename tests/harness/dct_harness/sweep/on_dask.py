@@ -24,7 +24,8 @@ from typing import Any
 from ..errors import ConfigError
 from .bundle import Bundle
 from .cases import Job
-from .workers import LOST, TRIES, Row, Setup, attempt, may_mend
+from .runs import Row, Setup, attempt, may_mend
+from .workers import LOST, TRIES, Rows
 
 HERE = "local"  # in place of an address: a cluster of this machine
 GRACE = "30 s"  # to find the scheduler
@@ -32,9 +33,7 @@ RUN = "dct-harness-sweep-"  # what folders of a run begin with
 SCRATCH = "dask-scratch"  # in the folder of the sweep: folders of the workers of this machine
 
 
-def cluster(
-    jobs: list[Job], setup: Setup, files: list[Path], address: str, count: int
-) -> Iterator[Row]:
+def cluster(jobs: list[Job], setup: Setup, files: list[Path], address: str, count: int) -> Rows:
     """Yield rows as runs end on a cluster; `count` workers when it is of this machine.
 
     Raises

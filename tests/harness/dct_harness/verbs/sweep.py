@@ -6,6 +6,7 @@ import argparse
 import csv
 import io
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,9 +22,10 @@ from ..sweep import cases as study_cases
 from ..sweep import sampling, study_file
 from ..sweep.cases import Job
 from ..sweep.on_dask import HERE, cluster
+from ..sweep.runs import Row, Setup, run_one
 from ..sweep.store import GOOD, Store, digest
 from ..sweep.study import DASK, LOCAL, Shown, Study
-from ..sweep.workers import Row, Setup, parallel, run_one, serial
+from ..sweep.workers import Rows, parallel, serial
 from . import progress
 from .arguments import Verbs, add_loudness, say, seconds, verb
 from .run import ENGINES, KPI_FAILS
@@ -125,8 +127,9 @@ def sweep(args: argparse.Namespace) -> int:
     setup = Setup(study.common, out, args.keep, study.signals, study.every, study.retries)
     varied = [f.name for f in study.factors] + [axis.name for axis in study.axes]
     try:
-        with watch.stoppable(), progress.choose(args.quiet or args.json, unit="run") as shown:
-            for row in _rows(study, setup, left, files):
+        with (watch.stoppable(), progress.choose(args.quiet or args.json, unit="run") as shown,
+              closing(_rows(study, setup, left, files)) as ended):  # fmt: skip
+            for row in ended:
                 row["command"] = study_cases.command(study, jobs[row["run"] - 1])
                 store.add(row)
                 known[row["run"]] = row
@@ -183,7 +186,7 @@ def _settings(args: argparse.Namespace) -> Iterator[str | Path]:
         yield from ("--set", text)
 
 
-def _rows(study: Study, setup: Setup, jobs: list[Job], files: list[Path]) -> Iterator[Row]:
+def _rows(study: Study, setup: Setup, jobs: list[Job], files: list[Path]) -> Rows:
     """Yield the row of each run as it ends."""
     if study.executor != LOCAL:
         address = HERE if study.executor == DASK else study.executor
