@@ -23,7 +23,8 @@ from pyarrow import parquet
 
 MANY = 20_000
 STOPS = 60.0  # s; a sweep of minutes is to end long before, on a busy machine too
-ENDS = 20.0  # s after which a process that is to end has ended, on a busy machine
+ENDS = 50.0  # s after which a process that is to end has ended, on a busy machine
+HANG = 2  # mode of the hostile FMU
 FOUR_SIGMA = 4.0  # of the sampling error: one wrong alarm in 16 000, and the seed is fixed
 
 
@@ -260,6 +261,28 @@ def test_ctrl_c_keeps_the_runs_so_far(lag_dir: Path, tmp_path: Path, jobs: str) 
         rows = list(csv.DictReader(file))
     assert 1 <= len(rows) < 1000
     assert list((tmp_path / "tmp").iterdir()) == []
+
+
+def test_a_second_ctrl_c_ends_runs_whose_fmu_does_not_return(tmp_path: Path, hostile: Path) -> None:
+    """The first waits for the FMU until --call-timeout, 60 s."""
+    system = write_system(tmp_path)
+    command = [*HARNESS, "sweep", system, "--fmu-dir", hostile, "--runs", "8",
+               "--out", tmp_path / "out", "-v", "--vary", f"plant.mode=choice(0,{HANG})",
+               "--jobs", "2"]  # fmt: skip
+    with subprocess.Popen(command, env=environment(tmp_path), stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, preexec_fn=_hear_ctrl_c) as process:  # fmt: skip
+        process.stdout.readline()
+        workers = _children(process.pid)
+        until = time.monotonic() + ENDS
+        while process.poll() is None and time.monotonic() < until:
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.5)
+        in_time = process.poll()
+        process.kill()
+    while _alive(workers) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert in_time == 130
+    assert _alive(workers) == set()
 
 
 def test_sweep_as_json_is_the_spread_of_its_csv(lag_dir: Path, tmp_path: Path) -> None:
