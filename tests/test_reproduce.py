@@ -94,6 +94,19 @@ def test_readme_tells_of_the_study_what_its_page_does() -> None:
     assert all(max(shares) < 50 for shares in kept.values())
 
 
+def test_the_first_lines_of_readme_tell_what_its_table_and_the_demo_do() -> None:
+    readme = text("README.md")
+    (believed, true, observer, map_based), _ = re.findall(
+        r"^\| case \d: (.*?); true (.*?) \| (.*?) \| (.*?) \|$", readme, re.MULTILINE)  # fmt: skip
+    shaft = [errors.split(" / ")[2] for errors in (map_based, observer)]
+    first = " ".join(readme.partition("## ")[0].split())
+    assert (f"believed {believed.replace(', ', ' and ')} but is {true.replace(', ', ' and ')}, "
+            f"a torque map misses the drive-shaft torque by {shaft[0]} % of its RMS, "
+            f"the observer by {shaft[1]} %") in first  # fmt: skip
+    runs = re.search(r"^const RUNS: .*; (\d+)\] =", text("xtask/demo.rs"), re.MULTILINE)[1]
+    assert f"runs {runs} closed loops" in first
+
+
 def test_the_citation_is_of_this_version_and_of_the_paper() -> None:
     cited = yaml.safe_load(text("CITATION.cff"))
     done = subprocess.run(["cargo", "metadata", "--format-version", "1", "--no-deps", "--locked"],
