@@ -257,6 +257,9 @@ def test_links_of_the_page_lead_somewhere(visit: Visit) -> None:
 def test_tables_have_their_rows(visit: Visit) -> None:
     limits = visit.page.locator("table.limits tbody tr")
     assert limits.count() == 6 + 6 + 1
+    verdicts = visit.page.locator("table.overview tbody tr")
+    methods = verdicts.locator("td:nth-child(3)").all_inner_texts()
+    assert methods == ["paper"] * verdicts.count()
     matrices = visit.page.locator("#kpis table.matrix")
     assert matrices.count() == 4
     scopes = matrices.first.locator("tbody th").all_inner_texts()

@@ -28,8 +28,7 @@ def several(view: View) -> bool:
 def label(view: View, estimate: str) -> str:
     """Return what people call an estimate; the observer goes by its method."""
     if estimate == OBSERVER:
-        given = view.run.get("parameters", {}).get(OBSERVER, {}).get("observer.method", {})
-        return str(given.get("item", OBSERVER))
+        return view.method or OBSERVER
     return NAMES.get(estimate, estimate)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import kpi
 from ..kpi import limits, tracking
+from ..kpi.estimation import OBSERVER
 from ..kpi.scopes import STATES, clutch_state
 from ..results import Results
 from ..results import load as load_results
@@ -59,6 +60,13 @@ class View:
         """Title of the system."""
         title: str = self.run.get("system", {}).get("title", self.name)
         return title
+
+    @property
+    def method(self) -> str | None:
+        """Method of the observer; None without one, or with one that is not ours."""
+        given = self.run.get("parameters", {}).get(OBSERVER, {}).get("observer.method", {})
+        method: str | None = given.get("item")
+        return method
 
     @property
     def paper_figures(self) -> tuple[str, str] | None:
