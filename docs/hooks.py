@@ -58,9 +58,10 @@ def _shown(row: str) -> str:
 
 
 def _text(name: str) -> str:
-    """Return a file of the repository; links to its other files become their names."""
+    """Return a file of the repository; of its links those to pages of the site stay."""
     text = (ROOT / name).read_text(encoding="utf-8")
-    return re.sub(r"\[([^\]]+)\]\((?!https?:|#)[^)]*\)", r"\1", text)
+    text = re.sub(r"\[([^\]]+)\]\((?!https?:|#|docs/pages/)[^)]*\)", r"\1", text)
+    return text.replace("](docs/pages/", "](")
 
 
 def command_line() -> str:

@@ -27,7 +27,7 @@
 //!                                       β      δ      w      κ      γ      λ      ν
 //! clutches open, idle (1 s)            0.00   0.96   0.04   1.00   1.00   1.00   1.00
 //! clutch 1 slips: launch               0.03   0.02   0.07   0.07   0.08   0.23   0.13
-//! clutch 1 engages, the shaft swings   0.19   0.12   0.07   0.30   0.17   0.32   0.15
+//! clutch 1 engages, the shaft swings   0.19   0.11   0.06   0.30   0.17   0.32   0.14
 //! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.98   0.25   0.25
 //! handover                             0.18   0.04   0.14   0.42   0.30   0.35   0.17
 //! clutch 1 engaged: tip-in             0.56   0.15   0.06   0.28   0.16   0.63   0.17

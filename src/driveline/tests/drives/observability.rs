@@ -15,6 +15,14 @@ const BETA: usize = 7;
 const TELLS: f64 = 0.75;
 const NOTHING: f64 = 0.9;
 
+/// Pages with the table in them: the method's own, and the one for who uses it.
+const PAGES: [&str; 2] = [
+    include_str!("../../observer/calibrating.rs"),
+    include_str!("../../../../PAPER.md"),
+];
+/// Half a unit of the last digit printed, and a little for the rounding of another machine.
+const PRINTED: f64 = 0.006;
+
 /// Name, start and end [s] of phases of the paper's scenario.
 const PHASES: [(&str, f64, f64); 6] = [
     ("clutches open, idle", 0.01, 0.95),
@@ -62,6 +70,30 @@ fn forget(observer: &mut Calibrating, start: &nalgebra::SMatrix<f64, 14, 14>) {
         for k in 0..14 {
             p[(j, k)] = start[(j, k)];
             p[(k, j)] = start[(k, j)];
+        }
+    }
+}
+
+/// The seven numbers in a page's row of a phase.
+fn printed(page: &str, phase: &str) -> Option<[f64; 7]> {
+    let mut rows = page
+        .lines()
+        .map(|line| line.trim_start_matches(['/', '!', '|', ' ']));
+    rows.find_map(|row| {
+        let numbers = row.strip_prefix(phase)?.split([' ', '|']);
+        let numbers: Vec<f64> = numbers.filter_map(|word| word.parse().ok()).collect();
+        numbers.last_chunk().copied()
+    })
+}
+
+#[test]
+fn pages_print_what_each_phase_tells() {
+    for (name, from, to) in PHASES {
+        let computed = left(from, to);
+        for page in PAGES {
+            let printed = printed(page, name).unwrap();
+            let apart = |k: usize| (printed[k] - computed[k]).abs();
+            assert!((0..7).all(|k| apart(k) < PRINTED), "{name}: {computed:.2?}");
         }
     }
 }
