@@ -17,7 +17,14 @@ import pytest
 from dct_harness import results
 from dct_harness.errors import instant
 from dct_harness.master import master
-from harness_fixture.lag_fmu import environment, run, run_command, write_system
+from harness_fixture.lag_fmu import (
+    LIMIT,
+    environment,
+    run,
+    run_command,
+    run_out_of_time,
+    write_system,
+)
 
 ROUNDING = 1e-12  # a thousand exact steps, each rounded once
 NATIVE = ("--engine", "native")  # the lag runs in a process of its own
@@ -69,12 +76,12 @@ def test_kpis_of_an_earlier_run_do_not_outlive_a_failed_one(lag_dir: Path, tmp_p
 def test_slow_run_ends_at_its_time_limit_with_code_5(
     lag_dir: Path, tmp_path: Path, engine: tuple[str, ...]
 ) -> None:
-    options = ("--set", "plant.delay=0.01", "--timeout", "1")
-    done = run(write_system(tmp_path), lag_dir, *options, *engine)
+    options = ("--set", "plant.delay=0.1")
+    done = run_out_of_time(write_system(tmp_path), lag_dir, *options, *engine)
     assert done.returncode == 5, done.stderr
-    assert "not finished after 1 s (--timeout)" in done.stderr
+    assert f"not finished after {LIMIT} s (--timeout)" in done.stderr
     kept = results.load(tmp_path / "out")
-    assert 1 < len(kept.time) < 200
+    assert 1 < len(kept.time) < 1000
     assert f"stopped at t = {instant(kept.time[-1])} s: not finished" in done.stderr
     assert np.max(np.abs(kept["plant.x"] - exact(kept.time))) < ROUNDING
 
@@ -83,8 +90,8 @@ def test_slow_run_ends_at_its_time_limit_with_code_5(
 def test_fmu_that_never_returns_ends_with_code_5(
     lag_dir: Path, tmp_path: Path, engine: tuple[str, ...]
 ) -> None:
-    options = ("--set", "plant.delay=1000.0", "--timeout", "1")
-    done = run(write_system(tmp_path), lag_dir, *options, *engine)
+    options = ("--set", "plant.delay=1000.0")
+    done = run_out_of_time(write_system(tmp_path), lag_dir, *options, *engine)
     assert done.returncode == 5, done.stderr
     assert "an FMU does not return" in done.stderr
     kept = results.load(tmp_path / "out")
@@ -95,14 +102,14 @@ def test_fmu_that_never_returns_ends_with_code_5(
 def test_interrupt_keeps_the_rows_and_ends_without_traceback(
     lag_dir: Path, tmp_path: Path, engine: tuple[str, ...]
 ) -> None:
-    command = run_command(write_system(tmp_path), lag_dir, "--set", "plant.delay=0.002", *engine)
+    command = run_command(write_system(tmp_path), lag_dir, "--set", "plant.delay=0.02", *engine)
     with subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True, env=environment(tmp_path)
     ) as process:
         first = process.stderr.readline()
         process.send_signal(signal.SIGINT)
         rest = process.stderr.read()
-    assert re.fullmatch(r" 10 %  step 1\d\d of 1000, \d+ s left\n", first), first
+    assert re.fullmatch(r" [1-9]0 %  step \d{3} of 1000, \d+ s left\n", first), first
     assert process.returncode == 130
     assert "interrupted by Ctrl-C" in rest
     assert "Traceback" not in rest

@@ -1,11 +1,12 @@
 /* First-order lag x' = (u - x) / tau, stepped exactly; the harness tests' own small FMU. Besides,
- * m becomes 2 n and c becomes not b at every step. `delay` is how long a step takes [s]. A step longer
- * than `reach` ends in Discard after `reach`, one longer than `most` in Discard at its beginning;
+ * m becomes 2 n and c becomes not b at every step. `delay` is how long a step takes [s]; before the
+ * first such step ends there is the file that the environment calls LAG_IS_SLOW. A step longer than `reach` ends in Discard after `reach`, one longer than `most` in Discard at its beginning;
  * `mute` other than 0: it does not tell how far it got. Steps past `ends` end there in Discard, and it wants
  * the simulation to end; a step that touches it too. `unsure` other than 0: it says so with an Error. y = gain u + bias at once. Within a step u goes
  * on with the slope that fmi2SetRealInputDerivatives gave. */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 #include "fmi2Functions.h"
@@ -51,9 +52,15 @@ static void answer(Lag *m) { m->v[Y] = m->v[GAIN] * m->v[U] + m->v[BIAS]; }
 ACCESS(Real, v)
 ACCESS(Integer, n)
 ACCESS(Boolean, b)
+static void is_slow(void) {
+    const char *name = getenv("LAG_IS_SLOW");
+    FILE *file = name ? fopen(name, "w") : NULL;
+    if (file) fclose(file);
+}
 fmi2Status fmi2DoStep(fmi2Component c, double t, double h, fmi2Boolean f) {
     Lag *m = c; (void)f;
     struct timespec pause = {(time_t)m->v[DELAY], (long)(fmod(m->v[DELAY], 1.0) * 1e9)};
+    if (m->v[DELAY] > 0) is_slow();
     if (m->v[DELAY] > 0) nanosleep(&pause, NULL);
     if (t >= m->v[FAIL_AT]) {
         m->cb->logger(m->cb->componentEnvironment, "lag", fmi2Error, "logStatusError", "told to");

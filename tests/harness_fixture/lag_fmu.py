@@ -14,6 +14,24 @@ import fmpy
 HERE = Path(__file__).parent
 BINARY = "binaries/linux64/Lag.so"
 HARNESS = [sys.executable, "-m", "dct_harness.cli"]
+SLOW = "LAG_IS_SLOW"  # of the environment: the file that is there once a step takes its time
+LIMIT = "1000"  # s, of `run_out_of_time`
+OUT_OF_TIME = f"""
+import os, sys, threading
+from dct_harness.cli import main
+from dct_harness.master import watch
+
+class Event(threading.Event):
+    def wait(self, timeout=None):
+        if timeout != {LIMIT}:
+            return super().wait(timeout)
+        while not (os.path.exists(os.environ["{SLOW}"]) or super().wait(0.01)):
+            pass
+        return self.is_set()
+
+watch.threading.Event = Event
+sys.exit(main())
+"""
 
 
 def variable(
@@ -121,3 +139,18 @@ def run(system: Path, fmus: Path, *options: str | Path) -> subprocess.CompletedP
     """Run a system into `out` beside it, in a process of its own."""
     command = run_command(system, fmus, *options)[len(HARNESS) :]
     return harness(*command, folder=system.parent)
+
+
+def run_out_of_time(
+    system: Path, fmus: Path, *options: str | Path
+) -> subprocess.CompletedProcess[str]:
+    """Run a system whose time limit is over as soon as a step takes its time, not by the clock.
+
+    How fast the machine is changes nothing: processes have started, some rows are made.
+    """
+    command = run_command(system, fmus, "--timeout", LIMIT, *options)[len(HARNESS) :]
+    folder = system.parent
+    return subprocess.run(
+        [sys.executable, "-c", OUT_OF_TIME, *command], capture_output=True, text=True, check=False,
+        env={**environment(folder), SLOW: str(folder / "slow")}, cwd=folder,
+    )  # fmt: skip

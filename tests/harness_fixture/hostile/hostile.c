@@ -43,7 +43,7 @@ static void misbehave(Lag *m) {
     memset(junk, 'J', sizeof junk);
     switch (m->n[0]) {
     case CRASH: raise(SIGSEGV); break;
-    case HANG: for (;;) pause();
+    case HANG: is_slow(); for (;;) pause();
     case EXIT: exit(7);
     case FORK: if (fork() == 0) return; break;
     case FLOOD: log_much(m); break;

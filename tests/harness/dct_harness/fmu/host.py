@@ -8,7 +8,7 @@ It imports the standard library only, so that it starts in 30 ms. Requests and a
 
 Numbers of the letters travel in a file mapped into both processes: t, h, which call failed, then
 inputs, outputs, derivatives of inputs, all float64. What comes from the FMU is never unpickled or
-evaluated.
+evaluated. The byte READY comes before all answers.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ SEVERE, ERRORS = 2, 100  # fmi2Discard; so many from there on are kept of a floo
 LONGEST = 4000  # bytes of a message
 MORE = 100  # added to a status when there are messages
 FORKED = 50  # status: the FMU has started a process
+READY = b"R"  # the process runs, and nothing of an FMU in it yet
 MISSING = 6  # status: the FMU has no such function
 NEEDED = (
     "fmi2Instantiate", "fmi2FreeInstance", "fmi2SetupExperiment", "fmi2EnterInitializationMode",
@@ -321,6 +322,7 @@ def main() -> None:
     os.dup2(nothing, 0)
     os.dup2(2, 1)
     host = Host()
+    _all(write, READY)
     _answer(host, {"I": host.set_inputs, "O": host.get_outputs, "S": host.step}, read, write)
     os._exit(0)
 

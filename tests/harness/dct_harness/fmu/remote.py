@@ -39,6 +39,7 @@ class Remote:
         self._poll.register(self._from, select.POLLIN)
         self._drained = threading.Thread(target=self._drain, daemon=True)
         self._drained.start()
+        self._read(len(host.READY), "starting its process", None)
 
     def _drain(self) -> None:
         """Take what the FMU prints, so that it never waits; keep the end."""
@@ -53,7 +54,7 @@ class Remote:
             os.write(self._to, letter)
         except OSError:
             raise self._ended(doing) from None
-        return self._read(1, doing)[0]
+        return self._answer(1, doing)[0]
 
     def ask(self, do: str, doing: str, **more: Any) -> Any:
         """Send a request in JSON; returns the answer."""
@@ -62,11 +63,11 @@ class Remote:
             os.write(self._to, b"J" + len(text).to_bytes(4, "little") + text)
         except OSError:
             raise self._ended(doing) from None
-        size = int.from_bytes(self._read(4, doing), "little")
+        size = int.from_bytes(self._answer(4, doing), "little")
         if size > LONGEST:
             raise self._broken(doing, f"answered with {size} bytes")
         try:
-            told = json.loads(self._read(size, doing))
+            told = json.loads(self._answer(size, doing))
             answer, alone = told["answer"], told["alone"]
         except (ValueError, KeyError, TypeError):
             raise self._broken(doing, "wrote into the harness's own pipe") from None
@@ -74,10 +75,14 @@ class Remote:
             raise self._broken(doing, "started a process of its own")
         return answer
 
-    def _read(self, count: int, doing: str) -> bytes:
+    def _answer(self, count: int, doing: str) -> bytes:
+        return self._read(count, doing, 1000 * self.seconds)
+
+    def _read(self, count: int, doing: str, patience: float | None) -> bytes:
+        """Return so many bytes; `patience` [ms] with each, None where no FMU is at work yet."""
         found = b""
         while len(found) < count:
-            if not self._poll.poll(1000 * self.seconds):
+            if not self._poll.poll(patience):
                 self.kill()
                 raise RunTimeoutError(
                     f"{self.name}: {doing} did not return within {self.seconds:g} s "

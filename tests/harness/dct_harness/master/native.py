@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 import os
 import shutil
 import signal
@@ -48,6 +49,7 @@ NEWEST = "Fmus"  # what cosim_native has had only since its interface is the pre
 PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
 ROWS = "rows.npy"  # what the other process makes, while it does
 STEPS, END = "steps", "end"  # files: how far the other process is, and that it is to end
+NOT_YET = -1  # steps of a process in which no FMU is at work
 BEAT = 0.05  # s between two looks at the other process
 GRACE = 1.0  # s; a call into an FMU that takes longer than this past the end hangs
 Said = Sequence[tuple[str, list[tuple[float, int, str, str]]]]  # time [s], status, category, text
@@ -193,22 +195,28 @@ class NativeRun(Run):
             return self.rows, *_read(folder / OUTPUT)
 
     def _awaited(self, process: subprocess.Popen[bytes], folder: Path, ended: Ended) -> int:
-        """Return the exit code of the other process, which ends early when it is told to."""
-        seconds = self.limits.seconds
-        limit = time.monotonic() + seconds
+        """Return the exit code of the other process, which ends early when it is told to.
+
+        From when FMUs are at work there, each step has the time that a call may take.
+        """
+        seconds, made = self.limits.seconds, NOT_YET
+        limit = end = math.inf
         while True:
             try:
                 return process.wait(BEAT)
             except subprocess.TimeoutExpired:
                 now = time.monotonic()
-            if ended(_steps(folder)) and not (folder / END).exists():
+            steps = _steps(folder)
+            if steps > made:
+                made, limit = steps, now + seconds
+            if ended(max(made, 0)) and not (folder / END).exists():
                 (folder / END).touch()
-                limit = min(limit, now + GRACE)
-            if now > limit:
+                end = now + GRACE
+            if now > min(limit, end):
                 if self.abort is not None:
                     raise type(self.abort)(f"an FMU does not return: {self.abort}")
                 raise RunTimeoutError(
-                    f"the native loop took longer than {seconds:g} s (--call-timeout)"
+                    f"a step of the native loop took longer than {seconds:g} s (--call-timeout)"
                 )
 
 
@@ -292,11 +300,11 @@ def _told(folder: Path, steps: int) -> bool:
 
 
 def _steps(folder: Path) -> int:
-    """Return how far the other process is."""
+    """Return how far the other process is; NOT_YET, too, while that is just being written."""
     try:
         return int((folder / STEPS).read_text(encoding="utf-8"))
-    except (FileNotFoundError, ValueError):  # not yet, or it is just being written
-        return 0
+    except (FileNotFoundError, ValueError):
+        return NOT_YET
 
 
 def main(folder: Path, memory: int) -> None:
@@ -309,6 +317,7 @@ def main(folder: Path, memory: int) -> None:
     rows = np.asarray(open_memmap(folder / ROWS, "r+"))
     with np.load(folder / INPUT) as given:
         work = (plan, given["times"], given["script"], compiled().Fmus(folder))
+        _told(folder, 0)
         _, error, log = made(*work, lambda steps: _told(folder, steps), out=[rows])
     kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
     told = np.array([kind, str(error or "")])

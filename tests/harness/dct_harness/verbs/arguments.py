@@ -103,8 +103,9 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("foreign FMUs", told)
     group.add_argument("--isolate", choices=("foreign", "all", "none"), default="foreign",
                        help="which FMUs get a process of their own (foreign)")  # fmt: skip
+    longest = "longest time for a call, or for a step of that loop (%(default)g)"
     group.add_argument("--call-timeout", type=patience, default=Limits.seconds, metavar="SECONDS",
-                       help="longest time for a call, or for that loop (%(default)g)")  # fmt: skip
+                       help=longest)  # fmt: skip
     group.add_argument("--memory", type=mebibytes, default=Limits.memory, metavar="MIB",
                        help="address space that such a process may take (%(default)g)")  # fmt: skip
     group.add_argument(
