@@ -81,7 +81,7 @@ impl Place {
 }
 
 fn waited(file: &Path) {
-    let end = Instant::now() + Duration::from_secs(60);
+    let end = Instant::now() + Duration::from_secs(600); // on a busy machine too
     while !file.exists() {
         assert!(Instant::now() < end, "it does not hang");
         sleep(Duration::from_millis(5));
@@ -91,8 +91,8 @@ fn waited(file: &Path) {
 #[test]
 fn a_step_that_never_ends_is_told_at_the_time_limit() {
     let place = Place::new("fmi2DoStep");
-    let said = "fmi2DoStep at t = 0.4 s does not return: not finished after 1 s (--timeout)";
-    place.check(place.begin(&["--timeout", "1"]), 5, said, 5);
+    let said = "fmi2DoStep at t = 0.4 s does not return: not finished after 5 s (--timeout)";
+    place.check(place.begin(&["--timeout", "5"]), 5, said, 5);
 }
 
 #[test]
@@ -117,8 +117,8 @@ fn a_step_that_never_ends_is_told_at_a_signal() {
 fn other_calls_that_never_end_are_told_too() {
     for (function, time, rows) in [("fmi2Instantiate", "0", 0), ("fmi2Terminate", "1", 11)] {
         let place = Place::new(function);
-        let why = "not finished after 0.5 s (--timeout)";
+        let why = "not finished after 5 s (--timeout)";
         let said = format!("{function} at t = {time} s does not return: {why}");
-        place.check(place.begin(&["--timeout", "0.5"]), 5, &said, rows);
+        place.check(place.begin(&["--timeout", "5"]), 5, &said, rows);
     }
 }
