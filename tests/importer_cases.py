@@ -24,7 +24,7 @@ STEP = 2.0**-9  # s
 STEPS = 512  # 1 s: clutch 1 slips, the shaft winds up, the vehicle starts to move
 LOOP_STEPS = (STEP, 1e-3, 1e-2)  # s, each for 1 s
 HALF = STEPS // 2  # after it, inputs change
-TIMEOUT = 120  # s, for a program that takes two
+TIMEOUT = 600  # s, for a program that takes two
 
 # Start values by model and variable, SI: a launch in first gear with a request of 40 N·m.
 STARTS: dict[str, dict[str, float | int | bool]] = {

@@ -20,7 +20,7 @@ ABI = ROOT / "tests" / "abi"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 BUILT = ROOT / "target" / "abi"
 PROBE = "Probe"
-TIMEOUT = 300  # s, for cases that take at most some 10
+TIMEOUT = 1200  # s, for cases that take at most some 10
 
 # Lives that begin from nothing: 100,000 of the plant, whose propagators are made anew, take 20 s.
 CYCLES = {PROBE: 1_000_000, "DctPlant": 10_000, "DctObserver": 10_000, "DctClutchControl": 100_000}

@@ -16,6 +16,7 @@ from importer_cases import ROOT, fmu
 XML = "modelDescription.xml"
 LIBRARY = "binaries/linux64/DctPlant.so"
 INVALID = 3  # exit code
+TIMEOUT = 600  # s, for a check that takes one
 LINK = 0o120777 << 16
 UNITS = "<UnitDefinitions>"
 
@@ -45,7 +46,7 @@ def _refused(checker: Path, path: Path) -> str:
     folder = path.parent / "tmp"
     folder.mkdir()
     done = subprocess.run([checker, "check", path], capture_output=True, text=True, check=False,
-                          env={**os.environ, "TMPDIR": str(folder)}, timeout=60)  # fmt: skip
+                          env={**os.environ, "TMPDIR": str(folder)}, timeout=TIMEOUT)  # fmt: skip
     assert done.returncode == INVALID, done.stdout + done.stderr
     assert not list(folder.iterdir())
     assert not list(path.parent.parent.rglob("escaped"))

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import closed_loop_runs
 import pytest
+from browsing import DRAWN, browser, new_page
 from dct_harness import report
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 from test_report_data import HOSTILE, write_all, write_run
 
-ARGUMENTS = (
-    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
-    "--disable-background-networking", "--disable-component-update",
-)  # fmt: skip
+__all__ = ["browser"]  # a fixture
 LAPTOP = {"width": 1366, "height": 768}
 SHEET = (1030, 640)  # px of an A4 page across: 297 mm less margins of 12 mm, at 96 px an inch
-DRAWN = "html[data-figures=drawn]"
-PATIENCE = 60_000  # ms; about 2 s are needed, a busy machine may be slow
 ZOOM = (8.5, 11.5)  # s, the upshift
 PIXEL = 0.05  # s; one pixel of a 1200 px wide panel is 0.025 s of 30 s
 
@@ -41,14 +36,14 @@ class Visit:
     """A page with everything it complained about or asked the network for."""
 
     def __init__(self, browser: Browser, file: Path, **options: object) -> None:
-        self.page: Page = browser.new_page(viewport=LAPTOP, **options)
+        self.page: Page = new_page(browser, viewport=LAPTOP, **options)
         self.complaints: list[str] = []
         self.requests: list[str] = []
         self.page.on("console", self._console)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.goto(file.as_uri())
-        self.page.wait_for_selector(DRAWN, timeout=PATIENCE)
+        self.page.wait_for_selector(DRAWN)
 
     def _console(self, message: object) -> None:
         if message.type in ("error", "warning"):
@@ -58,16 +53,6 @@ class Visit:
         """Return requests beyond the page itself and what it holds inside."""
         own = self.page.url.partition("#")[0]
         return [u for u in self.requests if u != own and not u.startswith(("data:", "blob:"))]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    found = shutil.which("chromium") or shutil.which("google-chrome")
-    assert found, "needs Chromium: sudo apt-get install -y chromium"
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
-        yield started
-        started.close()
 
 
 @pytest.fixture(scope="module")
@@ -226,9 +211,9 @@ OVERLAPS = """() => [...document.querySelectorAll(".plot")].flatMap((plot) => {
 def test_the_page_has_no_sideways_scroll_at_any_width(
     browser: Browser, full: Path, shots: Path, width: int
 ) -> None:
-    page = browser.new_page(viewport={"width": width, "height": 768})
+    page = new_page(browser, viewport={"width": width, "height": 768})
     page.goto(full.as_uri())
-    page.wait_for_selector(DRAWN, timeout=PATIENCE)
+    page.wait_for_selector(DRAWN)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     assert page.evaluate(OVERLAPS) == []
     page.screenshot(path=shots / f"width-{width}.png")

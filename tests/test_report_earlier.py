@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browsing import browser
 from dct_harness import cli, report, results
 from dct_harness.errors import ConfigError
 from dct_harness.kpi import typography
 from dct_harness.report import earlier, runs
-from test_report import LINES, Visit, browser, shots
+from test_report import LINES, Visit, shots
 from test_report_data import write_all, write_run
 
 __all__ = ["browser", "shots"]  # fixtures

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import shlex
-import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from browsing import DRAWN, browser, new_page
 from dct_harness import report
 from dct_harness.errors import ConfigError
 from dct_harness.report.study_data import Shown, StudyData
@@ -20,14 +19,13 @@ from dct_harness.report.study_numbers import crossing, heat, sensitivity, summar
 from dct_harness.sweep.sampling import Factor, points
 from dct_harness.sweep.store import read_rows
 from lxml import html
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
+__all__ = ["browser"]  # a fixture
 KPI = "estimation.percentOfRms"
 NAME = f"{KPI}/clutch1.torque/kalman"
 METHODS = ["paper", "lyapunov", "energy", "kalman", "calibrating"]
 SETS = 1024  # of Saltelli's sample; indices are then within 0.05
-PATIENCE = 60_000  # ms
-DRAWN = "html[data-figures=drawn]"
 FIGURES = """[...document.querySelectorAll(".plot")].map((plot) => [plot.id,
   plot.querySelectorAll(".cartesianlayer > .subplot").length,
   getComputedStyle(plot.querySelector(".main-svg")).backgroundColor])"""
@@ -177,25 +175,15 @@ def test_seeds_are_whole_numbers_in_the_tables(small: Path) -> None:
     assert shown <= {f"{row['seed']:.0f}" for row in read_rows(small).values()}
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    found = shutil.which("chromium") or shutil.which("google-chrome")
-    assert found, "needs Chromium: sudo apt-get install -y chromium"
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield started
-        started.close()
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_figure_is_drawn_and_asks_nobody(small: Path, browser: Browser, scheme: str) -> None:
-    page = browser.new_page(viewport={"width": 1366, "height": 900}, color_scheme=scheme)
+    page = new_page(browser, viewport={"width": 1366, "height": 900}, color_scheme=scheme)
     heard: list[str] = []
     page.on("console", lambda m: heard.append(m.text) if m.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: heard.append(str(error)))
     page.on("request", lambda r: heard.append(r.url) if r.url.startswith("http") else None)
     page.goto((small / "report/index.html").as_uri())
-    page.wait_for_selector(DRAWN, timeout=PATIENCE)
+    page.wait_for_selector(DRAWN)
     drawn = page.evaluate(FIGURES)
     kinds = [name.partition("-")[0] for name, _, _ in drawn]  # clutch 2 has no torque by 2.5 s
     assert sorted(kinds) == sorted(["curves", "heat", "sensitivity"] * 2 + ["bands"] * 3)

@@ -21,6 +21,7 @@ from harness_fixture.lag_fmu import harness, write_system
 
 VARY = ("--runs", "4", "--vary", "plant.failAt=uniform(0.5,1.5)")
 RUNS = 12
+PATIENCE = 600.0  # s, for what is to happen soon, on a busy machine too
 
 
 def rows(folder: Path, lag_dir: Path, name: str, *options: str) -> list[dict[str, str]]:
@@ -42,7 +43,7 @@ def test_a_cluster_of_this_machine_gives_the_same_rows(tmp_path: Path, lag_dir: 
 
 def kill_one_amid_a_run(folder: Path) -> None:
     """Kill a worker process as soon as a run of it has made its folder."""
-    end = time.monotonic() + 20
+    end = time.monotonic() + PATIENCE
     while not (made := list(folder.rglob(f"{RUN}*"))):
         assert time.monotonic() < end, "no run has begun"
         time.sleep(1e-3)
@@ -61,7 +62,8 @@ def test_a_worker_that_is_killed_loses_nothing_and_leaves_nothing(
     system = write_system(tmp_path, "0.3")
     jobs = [Job(k, {"plant.tau": 1.0 + k}, ("--set", f"plant.tau={1.0 + k}"))
             for k in range(RUNS)]  # fmt: skip
-    setup = Setup(("run", system, "--fmu-dir", lag_dir), tmp_path / "out")
+    slow = ("--set", "plant.delay=0.001")  # so that a run is met before its end
+    setup = Setup(("run", system, "--fmu-dir", lag_dir, *slow), tmp_path / "out")
     files = [system, tmp_path / "s.csv", lag_dir / "Lag.fmu"]
     with ExitStack() as stack:
         address = HERE
@@ -116,10 +118,9 @@ def test_an_address_without_a_scheduler_is_a_sentence(
     monkeypatch.setattr("dct_harness.sweep.on_dask.GRACE", "1 s")
     setup = Setup(("run", write_system(tmp_path)), tmp_path)
     files = [tmp_path / "s.toml"]
-    started = time.monotonic()
-    with pytest.raises(ConfigError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler there"):
+    said = r"--dask tcp://127\.0\.0\.1:9: no scheduler there: .* after 1 s"
+    with pytest.raises(ConfigError, match=said):
         list(cluster([Job(1, {})], setup, files, "tcp://127.0.0.1:9", 1))
-    assert time.monotonic() - started < 20
 
 
 def test_a_run_that_fails_is_tried_again_on_another_worker(
