@@ -17,7 +17,7 @@ import pytest
 from dct_harness.errors import ConfigError
 from dct_harness.sweep.cases import Job
 from dct_harness.sweep.sampling import METHODS, parse, points
-from dct_harness.sweep.workers import LOST, parallel
+from dct_harness.sweep.workers import LOST, THREADS, parallel
 from harness_fixture.lag_fmu import HARNESS, environment, harness, write_system
 from pyarrow import parquet
 
@@ -194,6 +194,24 @@ def _alive(pids: set[int]) -> set[int]:
     stats = {pid: Path(f"/proc/{pid}/stat") for pid in pids}
     return {pid for pid, stat in stats.items()
             if stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"}  # fmt: skip
+
+
+def _computes(job: Job) -> dict[str, int]:
+    """Return how many threads there are, of NumPy too, after a product of matrices."""
+    square = np.ones((500, 500))
+    assert (square @ square)[0, 0] == 500
+    return {"threads": len(os.listdir("/proc/self/task"))}
+
+
+def test_a_process_of_a_sweep_computes_in_one_thread_unless_the_user_chose(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv(THREADS, raising=False)
+    (one,) = parallel([Job(1, {})], _computes, 1)
+    assert THREADS not in os.environ
+    monkeypatch.setenv(THREADS, "2")
+    (two,) = parallel([Job(1, {})], _computes, 1)
+    assert two["threads"] - one["threads"] == 1
 
 
 def test_workers_of_a_killed_sweep_end(lag_dir: Path, tmp_path: Path) -> None:

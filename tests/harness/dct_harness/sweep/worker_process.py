@@ -41,7 +41,6 @@ class Ender:
 def work(pipe: Connection, one: Callable[[Job], Row]) -> None:
     """Answer each job that comes with its row and None, or with None and what the run raised."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends it to all processes of a sweep
-    os.environ["OMP_NUM_THREADS"] = "1"
     ender = Ender()
     threading.Thread(target=_end_with_the_sweep, daemon=True).start()
     try:
@@ -60,7 +59,8 @@ def _answer(
     except InterruptedRunError:
         raise
     except Exception as error:
-        error.add_note("".join(traceback.format_exception(error)))
+        if hasattr(error, "add_note"):  # Python 3.11
+            error.add_note("".join(traceback.format_exception(error)))
         return None, error
     finally:
         ender.busy = False

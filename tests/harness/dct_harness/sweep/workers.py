@@ -7,14 +7,16 @@ others, then recorded as lost; the other runs go on.
 from __future__ import annotations
 
 import contextlib
+import os
 from collections import Counter, deque
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from multiprocessing import connection, get_context
 
 from .cases import Job
 from .runs import Row
 from .worker_process import work
 
+THREADS = "OMP_NUM_THREADS"  # NumPy reads it when it is loaded, and never again
 TRIES = 3  # of a run that takes its process with it
 LOST = "process lost"
 One = Callable[[Job], Row]
@@ -88,6 +90,19 @@ def _end(workers: list[Worker]) -> None:
         raise
 
 
+@contextlib.contextmanager
+def _of_one_thread() -> Iterator[None]:
+    """Let processes that start meanwhile compute in one thread each, unless the user chose."""
+    if THREADS in os.environ:
+        yield
+        return
+    os.environ[THREADS] = "1"
+    try:
+        yield
+    finally:
+        del os.environ[THREADS]
+
+
 class Worker:
     """A process that makes runs, seen from the process that collects the rows."""
 
@@ -96,7 +111,8 @@ class Worker:
         self.job: Job | None = None  # of the run that it makes
         self.lost = False
         self.process = SPAWN.Process(target=work, args=(there, one), daemon=True)
-        self.process.start()
+        with _of_one_thread():
+            self.process.start()
         there.close()  # so that the pipe ends with the process
 
     def give(self, job: Job) -> None:
