@@ -101,6 +101,7 @@ def setup(folder: Path, system: str | Path, *words: str | Path, **more: Any) -> 
     (f"{LOOPS}/hot_clutch.toml", ("--step", "0.01", "--interpolate"), ()),
     ("examples/study/loop.toml", ("--stop", "5"), ("kalman.clutch1.torque",)),
     (f"{LOOPS}/paper_case1.toml", ("--stop", "8", *ANTRIEB), ("plant.vehicle.speed",)),
+    (f"{LOOPS}/paper_case1.toml", ("--stop", "8", *ANTRIEB, "--isolate", "all"), ()),
 ])  # fmt: skip
 def test_the_row_is_that_of_a_run_that_records_everything(
     tmp_path: Path, own: Path, repo_root: Path, counts: list[tuple[int, int]],
@@ -183,13 +184,14 @@ def test_a_run_that_fails_is_made_again_and_keeps_all_signals(
     assert (len(kept.time), kept.run["status"], kept.run["error"]) == (251, "partial", row["error"])
 
 
-def test_a_foreign_fmu_is_recorded_whole_and_fails_once(
+def test_a_run_of_a_foreign_fmu_that_fails_keeps_all_signals_too(
     tmp_path: Path, lag_dir: Path, counts: list[tuple[int, int]]
 ) -> None:
     words = ("--fmu-dir", lag_dir, "--set", "plant.failAt=0.25")
     told = setup(tmp_path, write_system(tmp_path), *words)
     assert run_one(told, Job(1, {}))["verdict"] == "exit 4"
-    assert counts == [(2, 2)]
+    assert counts == [(2, 0), (2, 2)]
+    assert list(results.load(tmp_path / "run-0001").signals) == ["time", "scenario.u", "plant.x"]
 
 
 def test_an_output_that_no_row_needs_and_is_no_number_fails_the_run(

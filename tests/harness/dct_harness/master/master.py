@@ -84,6 +84,7 @@ class Run:
         self.beyond: list[tuple[float, str]] = []  # the rows of the scenario
         self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
+        self.at_work = True  # an FMU may be within a call
         self.ends: dict[str, FmuRuntimeError] = {}  # by FMUs that ask to end it
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:

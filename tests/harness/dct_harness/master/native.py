@@ -13,7 +13,6 @@ import json
 import math
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -40,15 +39,14 @@ from ..fmu.told import word
 from ..fmu.values import start_value
 from ..supplier.links import Link
 from ..supplier.mapped import Mapped, their_value
+from . import native_process
 from .master import Run
+from .native_process import DONE, END, INPUT, OUTPUT, PLAN, ROWS, STEPS
 
 REMEDY = "run it with --engine fmpy"
 ERRORS = {"run": FmuRuntimeError, "fmu": FmuInvalidError, "configuration": ConfigError,
           "ended": InterruptedRunError}  # fmt: skip
 NEWEST = "Fmus"  # what cosim_native has had only since its interface is the present one
-PLAN, INPUT, OUTPUT = "plan.json", "input.npz", "output.npz"  # what processes exchange
-ROWS = "rows.npy"  # what the other process makes, while it does
-STEPS, END = "steps", "end"  # files: how far the other process is, and that it is to end
 NOT_YET = -1  # steps of a process in which no FMU is at work
 BEAT = 0.05  # s between two looks at the other process
 GRACE = 1.0  # s; a call into an FMU that takes longer than this past the end hangs
@@ -76,7 +74,7 @@ class NativeRun(Run):
         """Make all rows; those before a failure are kept."""
         inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
         foreign = any(isinstance(fmu, Isolated) for fmu in inner)
-        if self.wanted is not None and not foreign:
+        if self.wanted is not None:
             self._narrow(self.wanted(tuple(self.names)))
         plan = json.dumps(self._plan())
         last = len(self.times) - 1
@@ -178,7 +176,13 @@ class NativeRun(Run):
             np.savez(folder / INPUT, times=self.times, script=self.script)
             rows = open_memmap(folder / ROWS, "w+", shape=self._samples.shape)
             rows[:] = self._samples
-            command = [sys.executable, "-m", __name__, name, str(int(self.limits.memory))]
+            command = [
+                sys.executable,
+                "-m",
+                native_process.__name__,
+                name,
+                str(int(self.limits.memory)),
+            ]
             inside = {**os.environ, "TMPDIR": name}  # what a crash leaves goes with the folder
             null = subprocess.DEVNULL
             with subprocess.Popen(command, env=inside, stdout=null, stderr=null) as process:
@@ -206,6 +210,9 @@ class NativeRun(Run):
                 return process.wait(BEAT)
             except subprocess.TimeoutExpired:
                 now = time.monotonic()
+            if (folder / DONE).exists():
+                self.at_work = False
+                return process.wait()
             steps = _steps(folder)
             if steps > made:
                 made, limit = steps, now + seconds
@@ -293,36 +300,9 @@ def compiled() -> Any:
     return native
 
 
-def _told(folder: Path, steps: int) -> bool:
-    """Tell the other process how far this one is; returns whether it is to end."""
-    (folder / STEPS).write_text(str(steps), encoding="utf-8")
-    return (folder / END).exists()
-
-
 def _steps(folder: Path) -> int:
     """Return how far the other process is; NOT_YET, too, while that is just being written."""
     try:
         return int((folder / STEPS).read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError):
         return NOT_YET
-
-
-def main(folder: Path, memory: int) -> None:
-    """Make the rows of a plan in this process, after limiting its memory [MiB]."""
-    from ..fmu.host import limit
-
-    limit(memory * (1 << 20))
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends it to both processes
-    plan = (folder / PLAN).read_text("utf-8")
-    rows = np.asarray(open_memmap(folder / ROWS, "r+"))
-    with np.load(folder / INPUT) as given:
-        work = (plan, given["times"], given["script"], compiled().Fmus(folder))
-        _told(folder, 0)
-        _, error, log = made(*work, lambda steps: _told(folder, steps), out=[rows])
-    kind = next((k for k, cls in ERRORS.items() if type(error) is cls), "")
-    told = np.array([kind, str(error or "")])
-    np.savez(folder / OUTPUT, error=told, log=np.array(json.dumps(log)))
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]))

@@ -71,7 +71,9 @@ def time_limit(
         if finished.wait(limit):
             return
         run.abort = RunTimeoutError(f"not finished after {limit:g} s (--timeout)")
-        if not finished.wait(GRACE):
+        while not finished.wait(GRACE):
+            if not run.at_work:
+                continue
             error = RunTimeoutError(f"an FMU does not return, {limit:g} s are over (--timeout)")
             try:
                 on_hang(error)
