@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -97,3 +98,39 @@ def test_every_example_of_the_help_names_verbs_and_options_that_exist(
     assert len(examples) >= 2 * len(cli.VERBS) - 4
     for example in examples:
         cli.parser().parse_args([word.strip("'") for word in example.split(" > ")[0].split()])
+
+
+def _pages() -> dict[str, str]:
+    """Return every written page of the repository, by its name."""
+    listed = ["git", "ls-files", "*.md"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return {name: (ROOT / name).read_text("utf-8") for name in names.split()}
+
+
+def _shown(program: str) -> list[tuple[str, list[str]]]:
+    """Return page and words of each line of a page's blocks that begins with a program."""
+    line = re.compile(rf"^ *(?:time )?{program} ((?:[^\n]*\\\n)*[^\n]*)", re.MULTILINE)
+    found = [(page, text.replace("\\\n", " ")) for page, whole in _pages().items()
+             for text in line.findall(whole)]  # fmt: skip
+    return [(page, shlex.split(text.split(" > ")[0], comments=True)) for page, text in found]
+
+
+def test_commands_of_every_page_name_verbs_options_and_files_that_exist() -> None:
+    """Those too that take long, and so are not run by a test."""
+    commands = [(page, words) for page, words in _shown("dct-harness") if words != ["--help"]]
+    assert len({page for page, _ in commands}) > 12
+    for page, words in commands:
+        cli.parser().parse_args(words)
+        ours = [w for w in words if w.startswith(("examples/", "src/", "tests/", "docs/"))]
+        assert [w for w in ours if not (ROOT / w).exists()] == [], page
+
+
+@pytest.mark.parametrize("program", ["xtask", "fmu"])
+def test_chores_that_pages_name_are_there(program: str) -> None:
+    asked = ["cargo", "-q", program, "--help"]
+    done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True)
+    known = set(re.findall(r"^  ([a-z]+)\b", done.stdout, re.MULTILINE))
+    named = re.compile(rf"(?:^ *|`)cargo {program} ([a-z]+)", re.MULTILINE)
+    found = {verb for whole in _pages().values() for verb in named.findall(whole)}
+    assert len(found) > 3
+    assert found - known == set()

@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -58,10 +59,20 @@ def test_what_a_row_names_is_there(row: dict[str, str]) -> None:
     assert [word for word in named if not (ROOT / word).is_file()] == []
     if program == "dct-harness":
         cli.parser().parse_args(words)
+    elif program == "cargo" and "--test" in words:
+        assert (ROOT / f"src/driveline/tests/{words[-1]}.rs").is_file()
     elif program == "cargo" and "--example" in words:
         assert (ROOT / f"src/driveline/examples/{words[-1]}.rs").is_file()
     else:
         assert program == "python" or words in (["xtask", "bench"],)
+
+
+def test_the_check_of_the_reference_runs_as_it_is_written() -> None:
+    (words,) = (w for row in ROWS if "golden" in (w := shlex.split(row["command"].strip("`")))[1])
+    done = subprocess.run([sys.executable, *words[1:]], cwd=ROOT, capture_output=True, text=True,
+                          check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "against Radau" in done.stdout
 
 
 def test_most_rows_hold_figures() -> None:
