@@ -1,7 +1,6 @@
 //! The plant against the independent SciPy reference in `tests/golden`, inputs held per step.
 //!
-//! Limits: events within 0.1 ms, speeds within 1e-3 rad/s and torques within 1e-2 N·m away from ±2 ms
-//! of an event.
+//! Speeds and torques are compared away from ±2 ms of an event.
 
 #![allow(
     clippy::unwrap_used,
@@ -17,11 +16,14 @@ use dct_driveline::integrate::Propagators;
 use dct_driveline::plant::{Input, InputRate, Output, Plant};
 use golden_files::{Case, ClutchEvent};
 
-const SPEED_LIMIT: f64 = 1e-3;
-const TORQUE_LIMIT: f64 = 1e-2;
+/// Of speeds [rad/s], torques [N·m] and times of events [s]: longer steps, or inputs with slopes.
+const LIMITS: [f64; 3] = [1e-3, 1e-2, 1e-4];
+/// What `docs/pages/explanation.md` states of inputs that are held for 1 ms.
+const STATED: [f64; 3] = [2e-5, 7e-4, 2e-6];
+/// The same for a friction that falls from slip 0.
+const STATED_FALLING: [f64; 3] = [4e-4, 4e-3, 7e-6];
 /// Of the clutches [K]: what 1e-2 N·m makes of a friction torque of 100 N·m that falls by 0.1 % a kelvin.
 const TEMPERATURE_LIMIT: f64 = 0.1;
-const EVENT_LIMIT: f64 = 1e-4;
 const AROUND_EVENT: f64 = 2e-3;
 
 /// Largest differences of a run from its reference.
@@ -157,31 +159,36 @@ fn run(case: &Case, h: f64, ramps: bool) -> Misfit {
     misfit
 }
 
-fn check(case: &Case, h: f64, ramps: bool) {
+fn check(case: &Case, h: f64, ramps: bool, [speed, torque, event]: [f64; 3]) {
     let misfit = run(case, h, ramps);
-    assert!(misfit.event < EVENT_LIMIT, "{misfit:?}");
-    assert!(misfit.speed < SPEED_LIMIT, "{misfit:?}");
-    assert!(misfit.torque < TORQUE_LIMIT, "{misfit:?}");
+    assert!(misfit.speed < speed, "{misfit:?}");
+    assert!(misfit.torque < torque, "{misfit:?}");
+    assert!(misfit.event < event, "{misfit:?}");
     assert!(misfit.temperature < TEMPERATURE_LIMIT, "{misfit:?}");
 }
 
 macro_rules! held {
-    ($($name:ident)*) => {$(
+    ($limits:ident: $($name:ident)*) => {$(
         #[test]
         fn $name() {
             let case = Case::read(stringify!($name));
-            check(&case, case.h.unwrap(), false);
+            check(&case, case.h.unwrap(), false, $limits);
         }
     )*};
 }
 
 held! {
-    paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero
-    slip_returns_h10 coast_grade hill_start hill_hold stop_and_hold gearbox reverse gears_rigid gearbox_losses reverse_losses upshift_losses hill_losses losses_rigid hill_rigid_losses launch_both launch_h10 launch_h1 launch_h01 last_step
+    STATED:
+    paper_compliant paper_rigid tie_up tie_up_rigid break_away overrun slip_reversal slip_through_zero coast_grade
+    hill_start hill_hold stop_and_hold gearbox reverse gears_rigid gearbox_losses reverse_losses upshift_losses
+    hill_losses losses_rigid hill_rigid_losses launch_both launch_h1 launch_h01
     break_away_rigid overrun_rigid coast_grade_rigid hill_start_rigid hill_hold_rigid launch_both_rigid
-    launch_rigid_h10 launch_rigid_h1 launch_rigid_h01 last_step_rigid
-    fade_h10 fade_h1 fade_h01 fade_rigid hot_h10 hot_h1 hot_h01 stribeck
+    launch_rigid_h1 launch_rigid_h01 fade_h1 fade_h01 fade_rigid hot_h1 hot_h01
 }
+
+held! { STATED_FALLING: stribeck }
+
+held! { LIMITS: slip_returns_h10 launch_h10 launch_rigid_h10 fade_h10 hot_h10 last_step last_step_rigid }
 
 /// What may be left of torques [N·m] where events are located to a tick: less than a tenth of what it costs in
 /// most of these cases (7·10⁻⁴ to 10⁻²) to leave the old modes on for the rest of the tick.
@@ -207,12 +214,12 @@ fn an_event_within_a_tick_leaves_no_trace_of_it() {
 /// Knots of the inputs at multiples of the step: what is left are bends of the maps inside steps.
 #[test]
 fn derivatives_of_inputs_follow_a_continuous_launch() {
-    check(&Case::read("launch_continuous"), 1e-3, true);
+    check(&Case::read("launch_continuous"), 1e-3, true, LIMITS);
 }
 
 #[test]
 fn derivatives_of_inputs_follow_the_continuous_scenario() {
-    check(&Case::read("paper_continuous"), 1e-3, true);
+    check(&Case::read("paper_continuous"), 1e-3, true, LIMITS);
 }
 
 /// With slopes a step of 10 ms misses the continuous launch by 0.019 rad/s, 0.25 N·m and 0.055 ms of the lock-up, without
