@@ -39,7 +39,7 @@ mod xml;
 pub use archive::{Untrusted, package};
 pub use check::{Finding, Options, Replay, Report, Severity, check, check_with, probe, replay};
 #[cfg(feature = "dct")]
-pub use dct::{compare, descriptions, models, refresh};
+pub use dct::{compare, descriptions, models, refresh, sources};
 pub use description::describe;
 pub use entry::{Entry, Figures, Smoke};
 pub use error::{Error, Result};

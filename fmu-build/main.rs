@@ -9,7 +9,7 @@ use fmu_build::binary::Version;
 use fmu_build::library::Target;
 use fmu_build::models::MODELS;
 use fmu_build::outside::{self, Order};
-use fmu_build::{Entry, Options, Report};
+use fmu_build::{Entry, Options, Report, sources};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -192,12 +192,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn std::error::Error>> {
                 build(&models, out, &targets, small)?;
             }
         }
-        Command::Merge { one, others, out } => {
-            let path = out.unwrap_or_else(|| one.clone());
-            let all: Vec<_> = std::iter::once(one).chain(others).collect();
-            fmu_build::merge(&all, &path)?;
-            print_paths(&[path])?;
-        }
+        Command::Merge { one, others, out } => merge(one, others, out)?,
         Command::Replay {
             fmus,
             inputs,
@@ -248,6 +243,8 @@ fn build(
     targets: &[String],
     small: bool,
 ) -> Result<(), Box<dyn std::error::Error>> {
+    // As they are before the compiler reads them.
+    let made_from = out.is_none().then(sources::checksum).transpose()?;
     let out = folder(out);
     let mut targets = match targets {
         [] => vec![Target::host()?],
@@ -261,9 +258,28 @@ fn build(
     }
     let all: Vec<_> = MODELS.iter().collect();
     for entry in if models.is_empty() { &all } else { models } {
-        print_paths(&[fmu_build::build_for(entry, &targets, &out)?])?;
+        let path = fmu_build::build_for(entry, &targets, &out)?;
+        if let Some(made_from) = made_from {
+            sources::record(&path, made_from)?;
+        }
+        print_paths(&[path])?;
     }
     Ok(())
+}
+
+fn merge(
+    one: PathBuf,
+    others: Vec<PathBuf>,
+    out: Option<PathBuf>,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let path = out.unwrap_or_else(|| one.clone());
+    let all: Vec<_> = std::iter::once(one).chain(others).collect();
+    let made_from = sources::recorded(&path);
+    fmu_build::merge(&all, &path)?;
+    if let Some(made_from) = made_from {
+        sources::record(&path, made_from)?;
+    }
+    Ok(print_paths(&[path])?)
 }
 
 fn ssp(out: Option<PathBuf>) -> Result<(), Box<dyn std::error::Error>> {

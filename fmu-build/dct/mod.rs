@@ -8,6 +8,7 @@ mod icons;
 pub mod models;
 mod presets;
 mod smoke;
+pub mod sources;
 
 use crate::table::LEGEND;
 use crate::{Error, Result, archive, library};

@@ -31,7 +31,7 @@ Wanted = Callable[[tuple[str, ...]], Collection[str]]  # of the names of all sig
 STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
 
 
-SCENARIO = "scenario"  # category of what is said of it
+SCENARIO, BUILD = "scenario", "build"  # categories of what is said of them
 MOST_STEPS = 1e8  # of a run; its times alone take 0.8 GB
 
 
@@ -85,6 +85,7 @@ class Run:
         self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
         self.at_work = True  # an FMU may be within a call
+        self.outdated = ""  # what is to be said of FMUs that are older than their sources
         self.ends: dict[str, FmuRuntimeError] = {}  # by FMUs that ask to end it
 
     def execute(self, progress: Callable[[int, int], None] | None = None) -> None:
@@ -285,6 +286,9 @@ class Run:
         log = [m for f in self.fmus.values() for m in f.log] + self._out_of_range()
         log += [{"component": "scenario", "time": t, "status": "Warning", "category": SCENARIO,
                  "message": text} for t, text in self.beyond]  # fmt: skip
+        if self.outdated:
+            log.append({"component": "fmus", "time": 0.0, "status": "Warning", "category": BUILD,
+                        "message": self.outdated})  # fmt: skip
         return {
             "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
             "samples": len(self.rows),

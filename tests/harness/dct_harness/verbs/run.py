@@ -12,9 +12,10 @@ import numpy as np
 
 from .. import formats, kpi, results
 from ..errors import HarnessError, instant
+from ..fmu import sources
 from ..fmu.kept import Kept
 from ..master import check_step, watch
-from ..master.master import SCENARIO, Run, Wanted
+from ..master.master import BUILD, SCENARIO, Run, Wanted
 from ..master.native import NativeRun
 from ..ssp import calibration
 from . import junit, progress, selection
@@ -68,6 +69,7 @@ def run(args: argparse.Namespace) -> int:
         The run did not reach its end; the samples until then are written.
     """
     loop, out = _prepare(args)
+    loop.outdated = sources.remark(loop.paths.values())
     try:
         return _run(loop, out, args)
     finally:
@@ -211,7 +213,7 @@ def _say(
             print(text, file=sys.stderr)
     elif not (args.quiet or args.json):
         for m in record["log"]:
-            if m["category"] == SCENARIO:
+            if m["category"] in (SCENARIO, BUILD):
                 print(m["message"], file=sys.stderr)
     if args.json:
         print(json.dumps({"out": str(out), "run": record, "kpis": kpis}))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ConfigError
+from ..fmu import sources
 from ..kpi.table import aligned, number
 from ..master import watch
 from ..results import write_text
@@ -118,6 +120,7 @@ def sweep(args: argparse.Namespace) -> int:
     out = args.out or (Path("target/study") / study.name if study.file else Path("target/sweep"))
     jobs = study_cases.jobs(study)
     files = study_cases.files(study)
+    _say_outdated(args, files)
     store = Store(out, {**study.identity(), "files": digest(*files)}, args.resume)
     store.describe(study.describe())
     known = {k: row for k, row in store.rows().items() if k <= len(jobs)}
@@ -149,6 +152,13 @@ def sweep(args: argparse.Namespace) -> int:
             print(f"report: {page}")
     _say(args, out, _spread(rows, varied, study.kpis), len(rows), missed)
     return KPI_FAILS if missed else 0
+
+
+def _say_outdated(args: argparse.Namespace, files: list[Path]) -> None:
+    """Name FMUs that are older than their sources, before the runs."""
+    told = sources.remark(f for f in files if f.suffix == ".fmu")
+    if told and not (args.quiet or args.json):
+        print(told, file=sys.stderr)
 
 
 def plan(args: argparse.Namespace) -> Study:
