@@ -1,4 +1,4 @@
-"""PAPER.md's tables of what errors cost each observer method are those of the example."""
+"""Tables of what errors cost each observer method are those of the example, on every page."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from pathlib import Path
 import pytest
 
 EXAMPLE = ("cargo", "run", "--release", "--quiet", "-p", "dct-driveline", "--example", "robustness")
-RENEW = f"{' '.join(EXAMPLE)} -- PAPER.md"
-IN_PAPER = ("paper's scenario", "no error", "calibrating")  # the first cells of their headings
+PAGES = {  # the first cells of the headings
+    "PAPER.md": ("paper's scenario", "no error", "calibrating"),
+    "docs/pages/accuracy.md": ("creep", "random 2", "no error, 100 Hz", "noise 0.1 rad/s"),
+}
+RENEW = f"{' '.join(EXAMPLE)} -- {' '.join(PAGES)}"
 NUMBER = re.compile(r"\d+(?:\.(\d+))?")
 
 Table = list[str]
@@ -52,18 +55,24 @@ def _apart(one: re.Match[str], other: re.Match[str]) -> bool:
 
 def _told(name: str, found: Table, expected: Table) -> list[str]:
     rows = zip_longest(found, expected)
-    return [f"{name}: PAPER.md has {one}, computed is {other}"
+    return [f"{name}: the page has {one}, computed is {other}"
             for one, other in rows if _differs(one, other)]  # fmt: skip
 
 
+@pytest.mark.parametrize("page", PAGES)
 def test_the_tables_are_those_that_the_example_computes(
-    repo_root: Path, computed: dict[str, Table]
+    page: str, repo_root: Path, computed: dict[str, Table]
 ) -> None:
-    written = _tables((repo_root / "PAPER.md").read_text(encoding="utf-8"))
+    written = _tables((repo_root / page).read_text(encoding="utf-8"))
     shared = [heading for heading in computed if heading in written]
-    assert tuple(heading[2:].split(" | ")[0] for heading in shared) == IN_PAPER
+    assert tuple(heading[2:].split(" | ")[0] for heading in shared) == PAGES[page]
     found = [line for h in shared for line in _told(h, written[h], computed[h])]
     assert found == [], f"renew them with `{RENEW}`"
+
+
+def test_every_computed_table_stands_on_a_page(computed: dict[str, Table]) -> None:
+    told = sorted(heading[2:].split(" | ")[0] for heading in computed)
+    assert told == sorted(name for names in PAGES.values() for name in names)
 
 
 @pytest.mark.parametrize(("found", "expected", "differs"), [

@@ -1,8 +1,8 @@
-//! The tables of PAPER.md: what errors of sensors and parameters cost every observer method.
+//! The tables of PAPER.md and docs/pages/accuracy.md: what errors of sensors and parameters cost every observer method.
 //!
 //! `cargo run --release -p dct-driveline --example robustness` prints them as Markdown: RMSE in % of the RMS
-//! torque, T_c1/T_c2/T_o, at 1 kHz, friction case 1, momentum load. With `-- PAPER.md` behind it, the tables of
-//! that file which have one of their headings are replaced by them.
+//! torque, T_c1/T_c2/T_o, at 1 kHz unless the heading says so, friction case 1, momentum load. With
+//! `-- PAPER.md docs/pages/accuracy.md` behind it, the tables of those files which have one of their headings are replaced.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -19,12 +19,15 @@ mod bench;
 use bench::sensors::{
     delayed, dropping, encoder, noisy, perfect, torque_error, torque_offset, wheel_bias,
 };
-use bench::{Drive, after, calibrated, faded, observe, scenarios};
+use bench::{Drive, Scenario, after, calibrated, faded, observe, scenarios};
 use dct_driveline::Params;
 use dct_driveline::observer::{Method, Sample, Selected, Settings};
+use std::ops::RangeInclusive;
 
 /// Communication step [s].
 const H: f64 = 1e-3;
+/// Seeds of the random drives of which the worst is told.
+const RANDOM: RangeInclusive<u64> = 1..=9;
 
 /// One error: its name, what the observer believes, what the sensors read.
 struct Error {
@@ -94,8 +97,8 @@ const ERRORS: [Error; 24] = [
     parameter("M_v −10 %", |p| p.road.m_v *= 0.9),
 ];
 
-/// RMSE of a method under an error, as a cell of the table [% of RMS].
-fn cell(method: Method, drive: &Drive, error: &Error) -> String {
+/// RMSE of a method under an error, shape (3) [% of RMS].
+fn percent(method: Method, drive: &Drive, error: &Error) -> [f64; 3] {
     let mut believed = drive.p;
     (error.believed)(&mut believed);
     let mut observer = Selected::new(method);
@@ -112,7 +115,24 @@ fn cell(method: Method, drive: &Drive, error: &Error) -> String {
         sensors,
         |_, _| {},
     );
-    score.percent().map(rounded).join("/")
+    score.percent()
+}
+
+/// The same as a cell of the table.
+fn cell(method: Method, drive: &Drive, error: &Error) -> String {
+    percent(method, drive, error).map(rounded).join("/")
+}
+
+/// The largest of each torque over drives and errors, as a cell.
+fn worst(method: Method, drives: &[Drive], errors: &[Error]) -> String {
+    let all = drives
+        .iter()
+        .flat_map(|drive| errors.iter().map(move |error| (drive, error)));
+    let largest = all.fold([0.0; 3], |most: [f64; 3], (drive, error)| {
+        let found = percent(method, drive, error);
+        [0, 1, 2].map(|k| most[k].max(found[k]))
+    });
+    largest.map(rounded).join("/")
 }
 
 /// Two significant figures; a whole number from 10 on.
@@ -149,16 +169,45 @@ fn errors(corner: &str, drive: &Drive) -> Table {
     table
 }
 
-/// Every drive without an error.
-fn drives() -> Table {
-    let mut table = methods(ERRORS[0].name);
+/// Drives of the second table and of those like it.
+fn scenarios_told() -> impl Iterator<Item = Scenario> {
     let more = [faded::fading(), faded::losing()];
-    for scenario in more.into_iter().chain(scenarios::unseen()) {
-        let drive = scenario.drive(H);
-        let cells = Method::ALL.map(|method| cell(method, &drive, &ERRORS[0]));
+    more.into_iter().chain(scenarios::unseen())
+}
+
+/// Every drive at steps of `h` [s] with the first of `errors`; of random drives the most that any of them costs.
+fn drives(corner: &str, h: f64, errors: &[Error]) -> Table {
+    let mut table = methods(corner);
+    for scenario in scenarios_told() {
+        let drive = scenario.drive(h);
+        let cells = Method::ALL.map(|method| cell(method, &drive, &errors[0]));
         table.push(format!("| {} | {} |", drive.name, cells.join(" | ")));
     }
+    let random: Vec<Drive> = RANDOM
+        .map(|seed| scenarios::random(seed).drive(h))
+        .collect();
+    let cells = Method::ALL.map(|method| worst(method, &random, errors));
+    table.push(format!("| random 1-9, at worst | {} |", cells.join(" | ")));
     table
+}
+
+/// The paper's scenario at 100 Hz, then every other drive.
+fn slow() -> Table {
+    let mut table = drives("no error, 100 Hz", 1e-2, &ERRORS[..1]);
+    let drive = scenarios::paper().drive(1e-2);
+    let cells = Method::ALL.map(|method| cell(method, &drive, &ERRORS[0]));
+    table.insert(2, format!("| paper's scenario | {} |", cells.join(" | ")));
+    table
+}
+
+/// Every drive with noise; random drives with three seeds of it.
+fn noise() -> Table {
+    let seeds = [
+        sensor("", || Box::new(noisy(0.1, 1))),
+        sensor("", || Box::new(noisy(0.1, 2))),
+        sensor("", || Box::new(noisy(0.1, 3))),
+    ];
+    drives("noise 0.1 rad/s", H, &seeds)
 }
 
 /// An error of T_e where nothing shows its offset, and after a drive that did.
@@ -211,15 +260,20 @@ fn main() -> std::io::Result<()> {
         errors("paper's scenario", &scenarios::paper().drive(H)),
         errors("creep", &scenarios::creep().drive(H)),
         errors("random 2", &scenarios::random(2).drive(H)),
-        drives(),
+        drives(ERRORS[0].name, H, &ERRORS[..1]),
+        slow(),
+        noise(),
         carried(),
     ];
-    let Some(path) = std::env::args_os().nth(1) else {
+    let pages: Vec<_> = std::env::args_os().skip(1).collect();
+    if pages.is_empty() {
         for table in &tables {
             println!("\n{}", table.join("\n"));
         }
-        return Ok(());
-    };
-    let text = std::fs::read_to_string(&path)?;
-    std::fs::write(path, renewed(&text, &tables))
+    }
+    for page in pages {
+        let text = std::fs::read_to_string(&page)?;
+        std::fs::write(page, renewed(&text, &tables))?;
+    }
+    Ok(())
 }
