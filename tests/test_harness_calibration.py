@@ -110,6 +110,17 @@ def test_a_torque_that_is_misread_is_found(tmp_path: Path) -> None:
     for name in (scale, bias):
         believed = loop.run["parameters"]["observer"][name.removeprefix("observer.") + "Sigma"]
         assert loop[f"{name}Deviation"][-1] < 0.5 * believed["value"], name
+    page = (SYSTEMS.parent.parent / "docs/pages/howto/methods.md").read_text(encoding="utf-8")
+    assert f"by {_missed(loop, 'kalman')} % of their RMS" in page
+    assert f"`calibrating` by {_missed(loop, 'observer')} %" in page
+
+
+def _missed(loop: results.Results, estimate: str) -> str:
+    """Return what an estimate misses T_c1/T_c2/T_o by, in % of their RMS, as pages print it."""
+    names = ("clutch1.torque", "clutch2.torque", "driveShaft.torque")
+    pairs = [(loop[f"{estimate}.{name}"], loop[f"plant.{name}"]) for name in names]
+    percent = [100.0 * rms(found - true) / rms(true) for found, true in pairs]
+    return "/".join(f"{x:.1f}" if x < 9.95 else f"{x:.0f}" for x in percent)
 
 
 def test_a_system_without_observer_is_told(

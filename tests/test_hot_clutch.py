@@ -40,6 +40,16 @@ def test_friction_falls_with_heat_and_slip(signals: dict[str, np.ndarray]) -> No
     assert signals["vehicle.speed"][-1] > 2.0
 
 
+def test_the_page_tells_how_hot_it_gets_and_what_is_left(
+    signals: dict[str, np.ndarray], repo_root: Path
+) -> None:
+    page = (repo_root / "docs/pages/howto/presets.md").read_text(encoding="utf-8")
+    held = signals["clutch1.torque"][(signals["time"] > 1.0) & (signals["time"] < 8.0)]
+    temperature = signals["clutch1.temperature"]
+    assert f"({temperature[0]:.0f} to {temperature[-1]:.0f} K)" in page
+    assert f"a torque that falls by {100.0 * (1.0 - held[-1] / held[0]):.0f} %" in page
+
+
 def test_what_the_example_says_is_what_it_has(repo_root: Path) -> None:
     text = (repo_root / "examples/closed_loop/hot_clutch.toml").read_text()
     for name, table in (("thermal.temperature", THETA[0]), ("thermal.factor", THETA[1])):
