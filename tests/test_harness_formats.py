@@ -165,13 +165,53 @@ def test_limits_become_junit_cases(lag_dir: Path, tmp_path: Path) -> None:
     assert suite[1][0].get("message").endswith("limit <= 10 m/s³")
 
 
-def test_a_failed_run_is_a_failed_junit_case(lag_dir: Path, tmp_path: Path) -> None:
+def told(file: Path) -> tuple[str | None, str | None, str | None, list[tuple[str, str | None]]]:
+    """Return counts of tests, failures and errors, and what is said of the cases."""
+    root = ElementTree.parse(file).getroot()
+    said = [(e.tag, e.get("message")) for case in root[0] for e in case]
+    return root.get("tests"), root.get("failures"), root.get("errors"), said
+
+
+def test_a_run_that_fails_is_an_error_of_junit_and_no_missed_limit(
+    lag_dir: Path, tmp_path: Path
+) -> None:
     file = tmp_path / "x.xml"
     done = run(write_system(tmp_path), lag_dir, "-q", "--set", "plant.failAt=0.5", "--junit", file)
     assert done.returncode == 4
-    case = ElementTree.parse(file).getroot()[0][0]
     record = json.loads((tmp_path / "out/run.json").read_text())
-    assert case[0].get("message") == record["error"]
+    assert told(file) == ("1", "0", "1", [("error", record["error"])])
+
+
+@pytest.mark.parametrize("words", [
+    ("run", "s.toml"), ("sweep", "s.toml", "--vary", "plant.tau=uniform(1,2)"),
+    ("compare", "one.csv", "other.csv"),
+])  # fmt: skip
+def test_what_prevents_a_check_replaces_the_junit_file_of_an_earlier_job(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    file = tmp_path / "x.xml"
+    junit.write(file, "earlier", [junit.Case("limits", "kept")])
+    done = harness(*words, "--junit", file, folder=tmp_path)
+    assert done.returncode == 2
+    (tests, failures, errors, [(kind, message)]) = told(file)
+    assert (tests, failures, errors, kind) == ("1", "0", "1", "error")
+    assert done.stderr == f"dct-harness: {message}\n"
+
+
+def test_runs_of_a_sweep_become_junit_cases(lag_dir: Path, tmp_path: Path) -> None:
+    system, file = write_system(tmp_path), tmp_path / "x.xml"
+    limit = 'kpi = "shift.jerkPeak"\nsignal = "vehicle.acceleration"\nmax = 10\n'
+    system.write_text(system.read_text() + f"[[kpis]]\n{limit}")
+    vary = ("--sampling", "grid", "--vary", "plant.failAt=choice(0.5,2.0)")
+    done = harness("sweep", system, "--fmu-dir", lag_dir, "--out", tmp_path / "out", *vary,
+                   "--junit", file, folder=tmp_path)  # fmt: skip
+    assert done.returncode == 1, done.stderr
+    tests, failures, errors, said = told(file)
+    assert (tests, failures, errors) == ("2", "1", "1")
+    kinds, messages = zip(*said, strict=True)
+    assert kinds == ("error", "failure")
+    assert messages[0].startswith("plant: fmi2DoStep at t = 0.5")
+    assert messages[1].startswith(f"misses a limit: dct-harness run {system}")
 
 
 def test_junit_takes_any_text(tmp_path: Path) -> None:

@@ -68,7 +68,8 @@ def run(args: argparse.Namespace) -> int:
     HarnessError
         The run did not reach its end; the samples until then are written.
     """
-    loop, out = _prepare(args)
+    with junit.prevented(args.junit, args.system.stem):
+        loop, out = _prepare(args)
     loop.outdated = sources.remark(loop.paths.values())
     try:
         return _run(loop, out, args)
@@ -184,7 +185,7 @@ def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
 
 def _cases(record: dict[str, Any], kpis: dict[str, Any] | None) -> list[junit.Case]:
     """Return a case for the run itself and one per limit."""
-    cases = [junit.Case("run", "reaches its end", record["error"])]
+    cases = [junit.Case("run", junit.ENDS, error=record["error"])]
     for judged in kpis["limits"] if kpis else ():
         cells = kpi.table.limit_cells([judged])[0]
         what = " ".join(cells[:3])

@@ -28,7 +28,7 @@ from ..sweep.runs import Row, Setup, run_one
 from ..sweep.store import GOOD, Store, digest
 from ..sweep.study import DASK, LOCAL, Shown, Study
 from ..sweep.workers import Rows, parallel, serial
-from . import progress
+from . import junit, progress
 from .arguments import Verbs, add_loudness, say, seconds, verb
 from .run import ENGINES, KPI_FAILS
 
@@ -110,13 +110,18 @@ def add(verbs: Verbs) -> None:
                         metavar="FOLDER", help="folder of sweep.csv and of kept runs "
                         "(target/sweep, of a study target/study/NAME)")  # fmt: skip
     parser.add_argument("--report", action="store_true", help="write OUT/report/index.html too")
+    parser.add_argument("--junit", type=Path, metavar="FILE", help="runs as JUnit XML")
     parser.add_argument("--keep", action="store_true", help="keep the signals of every run")
     add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
 
 
 def sweep(args: argparse.Namespace) -> int:
     """Run, write `sweep.csv` and print how the KPIs spread; returns 1 when a run misses a limit."""
-    study = plan(args)
+    with junit.prevented(args.junit, args.system.stem):
+        return _sweep(args, plan(args))
+
+
+def _sweep(args: argparse.Namespace, study: Study) -> int:
     out = args.out or (Path("target/study") / study.name if study.file else Path("target/sweep"))
     jobs = study_cases.jobs(study)
     files = study_cases.files(study)
@@ -144,6 +149,8 @@ def sweep(args: argparse.Namespace) -> int:
         if rows:
             _write(out / SWEEP_CSV, rows)
     missed = sum(row["verdict"] not in ("pass", "not judged") for row in rows)
+    if args.junit:
+        junit.write(args.junit, study.name, [_case(row, varied) for row in rows])
     if args.report:
         from .. import report
 
@@ -205,6 +212,16 @@ def _rows(study: Study, setup: Setup, jobs: list[Job], files: list[Path]) -> Row
     if study.jobs == 1 or len(jobs) < 2:
         return serial(jobs, one)
     return parallel(jobs, one, min(study.jobs, len(jobs)))
+
+
+def _case(row: Row, varied: list[str]) -> junit.Case:
+    """Return a run as a check: one that misses a limit fails, one without its end is an error."""
+    verdict, again = row["verdict"], row["command"]
+    told = {
+        "failure": f"misses a limit: {again}" if verdict == "fail" else None,
+        "error": f"{row.get('error') or verdict}: {again}" if verdict not in GOOD else None,
+    }
+    return junit.Case("runs", " ".join(_line(row, varied).split()), **told)
 
 
 def _line(row: Row, varied: list[str]) -> str:
