@@ -27,7 +27,11 @@ def add(verbs: Verbs) -> None:
                   "check target/fmu/DctPlant.fmu\n"
                   "check Supplier.fmu --against plant --map supplier.toml", CODES)  # fmt: skip
     parser.add_argument("fmu", type=Path, help="the FMU")
-    parser.add_argument("--against", choices=["plant"], help="hold it to the contract of a plant")
+    parser.add_argument(
+        "--against",
+        choices=["plant"],
+        help="also look for the signals that the observer needs of a plant, their units and signs",
+    )
     parser.add_argument("--map", type=Path, metavar="FILE",
                         help="mapping file (.toml) of that plant's names")  # fmt: skip
     add_loudness(parser, "problems and variables, or the lines of the contract")

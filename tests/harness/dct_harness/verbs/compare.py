@@ -31,11 +31,19 @@ def add(verbs: Verbs) -> None:
     text = "compare a run with a reference, signal by signal"
     parser = verb(verbs, "compare", run, text, EXAMPLES, CODES)
     start = Tolerance()
-    parser.add_argument("reference", type=Path, help="result directory or file")
-    parser.add_argument("run", type=Path, help="result directory or file")
-    parser.add_argument("--tolerances", type=Path, metavar="FILE", help="TOML, by signal name")
-    parser.add_argument("--abs", type=amount, help=f"in the signal's unit ({start.abs:g})")
-    parser.add_argument("--rel", type=amount, help=f"of its largest magnitude ({start.rel:g})")
+    parser.add_argument("reference", type=Path, help="result directory or file that is right")
+    parser.add_argument("run", type=Path, help="result directory or file to judge")
+    parser.add_argument(
+        "--tolerances", type=Path, metavar="FILE", help="TOML: tolerances by signal name"
+    )
+    parser.add_argument(
+        "--abs", type=amount, help=f"tolerance in the signal's unit ({start.abs:g})"
+    )
+    parser.add_argument(
+        "--rel",
+        type=amount,
+        help=f"tolerance as a share of the signal's largest magnitude ({start.rel:g})",
+    )
     parser.add_argument("--tube", type=amount, help="time [s] by which an event may move (0)")
     parser.add_argument("--nrmse", type=amount, help="bound of RMS error / RMS (none)")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML")

@@ -20,7 +20,7 @@ identify target/results/paper_case1 --json"""
 MAP_HELP = "TOML: [[signals]] with from, to and unit, as for `convert`"
 RATIO_HELP = "total ratio from the clutch speed to the wheel (%(default)s)"
 NAME_HELP = "signal, also behind a component's name (%(default)s)"
-LENGTH_HELP = "from the built-up torque on (%(default)s): short, the twist integrates offsets"
+LENGTH_HELP = "from the built-up torque on (%(default)s); if long, offsets of the speeds add up"
 TORQUE_HELP = "|T_o| [N·m] from which rows count (%(default)s): past the backlash"
 NAMES = {"clutch_speed": "clutch2.speed", "wheel_speed": "wheel.speed",
          "torque": "driveShaft.torque"}  # fmt: skip
@@ -37,7 +37,7 @@ REMARKS = {
 LATE = 0.1  # of the rows, at their end: over these the twist hardly counts beside the speeds
 CERTAIN = 3.0  # standard errors below 0 of a damping that is none
 
-CODES = "0 found, 2 usage, or the source cannot be read, shows no launch or a ratio that is another"
+CODES = "0 found, 2 usage, or the source cannot be read, shows no launch, or does not fit --ratio"
 
 
 def add(verbs: Verbs) -> None:
