@@ -210,6 +210,8 @@ def test_runs_of_a_sweep_become_junit_cases(lag_dir: Path, tmp_path: Path) -> No
     assert (tests, failures, errors) == ("2", "1", "1")
     kinds, messages = zip(*said, strict=True)
     assert kinds == ("error", "failure")
+    names = [case.get("name") for case in ElementTree.parse(file).getroot()[0]]
+    assert names == [f"run {k}: plant.failAt = {x:g}" for k, x in ((1, 0.5), (2, 2.0))]
     assert messages[0].startswith("plant: fmi2DoStep at t = 0.5")
     assert messages[1].startswith(f"misses a limit: dct-harness run {system}")
 

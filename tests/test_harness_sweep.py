@@ -273,11 +273,13 @@ def test_ctrl_c_keeps_the_runs_so_far(lag_dir: Path, tmp_path: Path, jobs: str) 
                           preexec_fn=_hear_ctrl_c) as process:  # fmt: skip
         process.stdout.readline()
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=STOPS)
+        _, said = process.communicate(timeout=STOPS)
     assert process.returncode == 130
     with (tmp_path / "out/sweep.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert 1 <= len(rows) < 1000
+    assert said.endswith(f"dct-harness: interrupted: {len(rows)} of 5000 runs are kept in "
+                         f"{tmp_path / 'out'}, --resume makes the others\n")  # fmt: skip
     assert list((tmp_path / "tmp").iterdir()) == []
 
 

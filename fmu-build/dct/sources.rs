@@ -22,7 +22,7 @@ const SOURCES: [&str; 7] = [
 ];
 
 /// Folders in there of which nothing comes into an FMU.
-const APART: [&str; 2] = ["target", "tests"];
+const APART: [&str; 3] = ["examples", "target", "tests"];
 
 /// The file, in the folder of the FMUs.
 const RECORD: &str = "sources.json";

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ConfigError
+from ..errors import ConfigError, InterruptedRunError
 from ..fmu import sources
 from ..kpi.table import aligned, number
 from ..master import watch
@@ -144,7 +144,10 @@ def _sweep(args: argparse.Namespace, study: Study) -> int:
                 if args.verbose:
                     print(_line(row, varied), flush=True)
                 shown.update(len(known), len(jobs))
-    finally:  # Ctrl-C keeps the runs so far
+    except (KeyboardInterrupt, InterruptedRunError):
+        kept = f"{len(known)} of {len(jobs)} runs are kept in {out}"
+        raise InterruptedRunError(f"interrupted: {kept}, --resume makes the others") from None
+    finally:
         rows = [known[k] for k in sorted(known)]
         if rows:
             _write(out / SWEEP_CSV, rows)
@@ -152,13 +155,17 @@ def _sweep(args: argparse.Namespace, study: Study) -> int:
     if args.junit:
         junit.write(args.junit, study.name, [_case(row, varied) for row in rows])
     if args.report:
-        from .. import report
-
-        page = report.write_study(out, out / "report")
-        if not (args.quiet or args.json):
-            print(f"report: {page}")
+        _report(args, out)
     _say(args, out, _spread(rows, varied, study.kpis), len(rows), missed)
     return KPI_FAILS if missed else 0
+
+
+def _report(args: argparse.Namespace, out: Path) -> None:
+    from .. import report
+
+    page = report.write_study(out, out / "report")
+    if not (args.quiet or args.json):
+        print(f"report: {page}")
 
 
 def _say_outdated(args: argparse.Namespace, files: list[Path]) -> None:
@@ -221,14 +228,18 @@ def _case(row: Row, varied: list[str]) -> junit.Case:
         "failure": f"misses a limit: {again}" if verdict == "fail" else None,
         "error": f"{row.get('error') or verdict}: {again}" if verdict not in GOOD else None,
     }
-    return junit.Case("runs", " ".join(_line(row, varied).split()), **told)
+    return junit.Case("runs", f"run {row['run']}: {_chosen(row, varied)}", **told)
 
 
 def _line(row: Row, varied: list[str]) -> str:
     """Return one run as --verbose prints it."""
+    return f"{row['run']:4d} {row['verdict']:10}  {_chosen(row, varied)}"
+
+
+def _chosen(row: Row, varied: list[str]) -> str:
     told = (f"{n} = {row[n]:.5g}" if isinstance(row[n], float) else f"{n} = {row[n]}"
             for n in varied)  # fmt: skip
-    return f"{row['run']:4d} {row['verdict']:10}  {', '.join(told)}"
+    return ", ".join(told)
 
 
 def _say(
