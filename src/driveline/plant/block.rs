@@ -199,7 +199,6 @@ impl Block {
     ) -> (Crossing, Event, Option<f64>) {
         let (mut worst, mut first) = (Crossing::None, None);
         let mut event = Event::default();
-        let (modes, brake) = (plant.modes, plant.brake);
         let mut start = self.guards(p, systems, plant, 0.0);
         let mut end = self.guards(p, systems, plant, self.t);
         if plant.is_strained(p) {
@@ -216,18 +215,10 @@ impl Block {
                 let share = start[i][k].share_to_zero(end[i][k], self.t);
                 first = Some(first.unwrap_or(1.0_f64).min(share));
             }
-            if i == BRAKE {
-                event.wheel_reached = found[0] && brake != Mode::Stuck;
-                event.wheel_broken = found != [false; 2] && brake == Mode::Stuck;
-                continue;
-            }
-            event.reached[i] = found[0] && modes[i].direction() != 0.0;
-            event.broken[i] = (found[0] || found[1]) && modes[i] == Mode::Stuck;
-            event.opened[i] = found[1] && modes[i].direction() != 0.0;
-            event.synchronised[i] = found[0] && modes[i] == Mode::Open;
+            event.note(i, found, plant.modes, plant.brake);
         }
         if plant.meshes != Meshes::IDEAL {
-            let system = &systems.by_stuck[stuck_set(modes)];
+            let system = &systems.by_stuck[stuck_set(plant.modes)];
             let (crossing, reached) = self.mesh_crossing(p, system, plant);
             event.output_reached = reached;
             event.mesh = crossing == Crossing::Found;

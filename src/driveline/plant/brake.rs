@@ -112,6 +112,9 @@ impl Plant {
 
     /// T_b ω_w of the sliding brake [W], ≥ 0.
     pub(crate) fn brake_power(&self, t_brake: f64) -> f64 {
+        if t_brake == 0.0 {
+            return 0.0;
+        }
         self.brake_direction() * t_brake * self.x[W]
     }
 

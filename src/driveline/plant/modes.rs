@@ -93,6 +93,21 @@ impl Event {
                 ..Self::default()
             }
     }
+
+    /// Notes which guards of a clutch, or of the brake, were crossed: see `Block::guards`.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, part: usize, found: [bool; 2], modes: [Mode; 2], brake: Mode) {
+        let any = found != [false; 2];
+        let Some(&mode) = modes.get(part) else {
+            self.wheel_reached = found[0] && brake != Mode::Stuck;
+            self.wheel_broken = any && brake == Mode::Stuck;
+            return;
+        };
+        self.reached[part] = found[0] && mode.slips();
+        self.broken[part] = any && mode == Mode::Stuck;
+        self.opened[part] = found[1] && mode.slips();
+        self.synchronised[part] = found[0] && mode == Mode::Open;
+    }
 }
 
 /// A value that must stay ≥ 0, with its rate.

@@ -38,27 +38,10 @@ impl Plant {
 
     /// [`Self::outputs`] into their place.
     pub fn write_outputs(&self, p: &Params, systems: &Systems, input: &Input, y: &mut Output) {
-        let (x, held) = (&self.x, self.brake == Mode::Stuck);
-        let t_v = if held {
-            drive_shaft_torque(p, x)
-        } else {
-            self.load_torque(p, input)
-        };
-        let factor = if p.friction_varies() {
-            self.friction_factor(p)
-        } else {
-            [1.0; 2]
-        };
-        let v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
-        let v = if self.synchroniser != [Mode::Open; 2] {
-            self.with_synchronisers(p, v)
-        } else {
-            v
-        };
+        let (v, t_v) = self.acting_torques(p, input);
         let (t_c, t_t) = self.passed_torques(p, systems, input, &v);
-        let slip = self.slip();
-        let t_d = p.k_d * x[TWIST_D] + p.c_d * (x[E] - x[D]);
-        let t_o = drive_shaft_torque(p, x);
+        let (x, slip, t_o) = (&self.x, self.slip(), drive_shaft_torque(p, &self.x));
+        let held = self.brake == Mode::Stuck;
         let omega_w_dot = if held { 0.0 } else { (t_o - t_v) / p.j_v };
         *y = Output {
             omega_e: x[E],
@@ -68,7 +51,7 @@ impl Plant {
             omega_w: x[W],
             vehicle_speed: p.road.r_w * x[W],
             vehicle_acceleration: p.road.r_w * omega_w_dot,
-            t_d,
+            t_d: p.k_d * x[TWIST_D] + p.c_d * (x[E] - x[D]),
             t_c,
             t_t,
             t_o,
@@ -81,15 +64,31 @@ impl Plant {
             synchronising: systems.coupling.synchronising,
             temperature: self.temperature,
             wear: [0, 1].map(|i| p.clutch[i].specific_wear * self.work.friction[i]),
-            brake_power: if input.t_brake == 0.0 {
-                0.0
-            } else {
-                self.brake_power(input.t_brake)
-            },
+            brake_power: self.brake_power(input.t_brake),
             brake_energy: self.work.brake,
             synchroniser_energy: self.work.synchroniser,
             energy_residual: self.energy_residual(systems),
         };
+    }
+
+    /// v of (1)-(11) at this instant, shape (4), and T_v of (11) with the brake [N·m].
+    #[inline(always)]
+    fn acting_torques(&self, p: &Params, input: &Input) -> (Torques, f64) {
+        let t_v = if self.brake == Mode::Stuck {
+            drive_shaft_torque(p, &self.x)
+        } else {
+            self.load_torque(p, input)
+        };
+        let factor = if p.friction_varies() {
+            self.friction_factor(p)
+        } else {
+            [1.0; 2]
+        };
+        let mut v = torques(p, self.modes, factor, input.t_e, input.force, t_v);
+        if self.synchroniser != [Mode::Open; 2] {
+            v = self.with_synchronisers(p, v);
+        }
+        (v, t_v)
     }
 
     /// T_c1, T_c2 and T_t1, T_t2 [N·m], shape (2) each.
