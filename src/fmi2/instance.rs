@@ -6,7 +6,7 @@
 
 use crate::row::{Row, row, rows};
 use crate::saved::Saved;
-use crate::value::{Value, find, finite, settable};
+use crate::value::{Sealed as _, Value, find, finite, settable};
 use crate::{Call, Error, Failure, Log, Model, State};
 
 mod finite;

@@ -10,8 +10,8 @@
 use crate::guid::table_hash;
 use crate::hash::Hash;
 use crate::row::{Row, has_constants, has_strings, rows};
-use crate::value::finite;
-use crate::{Access, Causality, Error, Model, State, StateFields, Value as _, Variability};
+use crate::value::{Sealed as _, finite};
+use crate::{Access, Causality, Error, Model, State, StateFields, Variability};
 
 const MAGIC: &[u8; 8] = b"FMI2SAVE";
 const VERSION: u32 = 2;

@@ -3,8 +3,22 @@
 use crate::row::{Row, row};
 use crate::{Access, Call, Causality, Error, Model, State, Variability};
 
-/// A type that the getters and setters of FMI move: `f64`, `i32` or `bool`.
-pub trait Value: Copy + 'static {
+/// A type whose values the getters and setters of FMI move: `f64` (Real), `i32` (Integer, Enumeration) or `bool`.
+///
+/// No other type can be one: the C boundary has no function for it.
+///
+/// ```compile_fail,E0277
+/// struct Price(f64);
+/// impl fmi2_cosim::Value for Price {}
+/// ```
+pub trait Value: Sealed {}
+
+impl Value for f64 {}
+impl Value for i32 {}
+impl Value for bool {}
+
+/// What the shell knows of a [`Value`]. Nobody else can name it.
+pub trait Sealed: Copy + 'static {
     /// FMI's name of the type.
     const KIND: &'static str;
     /// Its getter.
@@ -30,7 +44,7 @@ pub trait Value: Copy + 'static {
     }
 }
 
-impl Value for f64 {
+impl Sealed for f64 {
     const KIND: &'static str = "Real";
     const GET: Call = Call::GetReal;
     const SET: Call = Call::SetReal;
@@ -53,7 +67,7 @@ impl Value for f64 {
     }
 }
 
-impl Value for i32 {
+impl Sealed for i32 {
     const KIND: &'static str = "Integer";
     const GET: Call = Call::GetInteger;
     const SET: Call = Call::SetInteger;
@@ -80,7 +94,7 @@ impl Value for i32 {
     }
 }
 
-impl Value for bool {
+impl Sealed for bool {
     const KIND: &'static str = "Boolean";
     const GET: Call = Call::GetBoolean;
     const SET: Call = Call::SetBoolean;

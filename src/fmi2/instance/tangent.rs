@@ -2,7 +2,7 @@
 
 use super::{Instance, distinct};
 use crate::row::{Row, rows};
-use crate::value::{Value, find, finite};
+use crate::value::{Sealed as _, find, finite};
 use crate::{Call, Causality, Error, Log, Model};
 
 /// Whether a model has directional derivatives: it computes them, or no output depends on an input.
