@@ -1,17 +1,25 @@
 //! The C boundary: all unsafe code is here and in `ffi/`. 34 functions, one way in.
 //!
-//! Every function on an instance goes through [`Library::enter`]: look-up of the token, poison
-//! check, unwind barrier, error to log line and status. An FMU library is one line:
+//! No part of the API: it is public for what `export!` expands to in a crate of an FMU, and may change with every
+//! version. Authors of models need nothing of it.
 //!
-//! ```text
-//! fmi2_cosim::export!(my_models::Tank);
-//! ```
+//! Every function on an instance goes through [`Library::enter`]: look-up of the token, poison
+//! check, unwind barrier, error to log line and status.
+//!
+//! # What is checked, and what is taken on trust
 //!
 //! Components and FMU states are tokens (`handle.rs`), so one that was freed, is in use by another
-//! thread, or never was ours is refused. What the importer promises (FMI 2.0.4, 2.1.2 and 4.2) and
-//! the code relies on: arrays have the length that is passed with them; strings are NUL-terminated;
-//! the callback struct is readable during `fmi2Instantiate`, and its functions until the instance is
-//! freed.
+//! thread, or never was ours is refused. Pointers that are NULL or misaligned are refused (`pointer.rs`), and so are
+//! counts above the number of variables. The rest cannot be seen from here; the functions are sound for an importer
+//! that keeps to this, and every SAFETY line names what it needs of it:
+//!
+//! | | what an importer promises | FMI 2.0.4 |
+//! | --- | --- | --- |
+//! | Arrays | a pointer with a count points at so many values | 2.1.7 variables, 2.1.8 states, 2.1.9 and 4.2.1 derivatives, 2.1.5 log categories |
+//! | Places | a pointer to one result points at room for it | 2.1.8 `FMUstate` and `size`, 4.2.3 status |
+//! | Strings | end with NUL | 2.1.2 |
+//! | Callbacks | the struct is there during `fmi2Instantiate`, its functions until `fmi2FreeInstance` returns | 2.1.5 |
+//! | Stillness | during a call nobody else writes to what its arguments point at or reads its results, and results do not lie within other arguments | not in words; without it a call has no meaning in C either |
 
 #![allow(unsafe_code)]
 #![allow(clippy::missing_safety_doc)] // one contract for all: the module documentation
@@ -81,7 +89,7 @@ struct Reporter {
 impl Reporter {
     /// For the importer's callbacks, all categories on; the struct need not outlive this call.
     unsafe fn new(name: *const c_char, callbacks: *const Callbacks) -> Self {
-        // SAFETY: NULL or, by the importer's promise, a string and a struct to be read.
+        // SAFETY: NULL, or a string that ends (Strings) and a struct that is there for this call (Callbacks).
         let (name, callbacks) = unsafe { (text(name), callbacks.as_ref()) };
         Self {
             name: name.unwrap_or(c"").into(),
@@ -100,8 +108,8 @@ impl Reporter {
             Category::Warning => Status::Ok,
             other => other.status(),
         };
-        // SAFETY: the logger is the importer's and is called as its headers say; every pointer is
-        // NUL-terminated and lives until the call returns. The text is a format without conversions,
+        // SAFETY: the instance is not freed yet, so there is its logger (Callbacks), called as the headers of FMI say;
+        // every pointer is NUL-terminated and lives until the call returns. The text is a format without conversions,
         // so that importers that cannot read further arguments show it too.
         unsafe {
             logger(
@@ -297,7 +305,7 @@ impl<M: Model> Library<M> {
         logging_on: bool,
     ) -> *mut c_void {
         let made = catch_unwind(AssertUnwindSafe(|| {
-            // SAFETY: the importer's promise.
+            // SAFETY: NULL or as promised (Strings, Callbacks).
             let (guid, mut reporter) = unsafe { (text(guid), Reporter::new(name, callbacks)) };
             let (_, own) = self.guid();
             if let Err(error) = request::check(&reporter.name, kind, guid, own) {
@@ -307,7 +315,7 @@ impl<M: Model> Library<M> {
             reporter.filter = Filter::all(logging_on);
             let mut component = Component::boxed(reporter);
             if const { M::RESOURCES } {
-                // SAFETY: the importer's promise.
+                // SAFETY: NULL or as promised (Strings).
                 if !component.load(unsafe { text(resources) }) {
                     return null_mut();
                 }
@@ -345,12 +353,12 @@ impl<M: Model> Library<M> {
             if count > Category::ALL.len() {
                 return Err(Error::UnknownCategory);
             }
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` pointers (Arrays, 2.1.5).
             let categories = unsafe { slice("categories", categories, count)? };
             if categories.iter().any(|category| category.is_null()) {
                 return Err(Error::Pointer("categories"));
             }
-            // SAFETY: the importer's promise.
+            // SAFETY: none is NULL, as was just seen; they end (Strings).
             let names = categories.iter().filter_map(|name| unsafe { text(*name) });
             let filter = &mut component.reporter.filter;
             *filter = filter.requested(on, names)?;

@@ -6,6 +6,7 @@ mod check;
 mod enumeration;
 mod error;
 mod export;
+#[doc(hidden)] // what `export!` expands to; no part of the API
 pub mod ffi;
 mod guid;
 mod handle;

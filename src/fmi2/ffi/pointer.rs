@@ -1,12 +1,15 @@
 //! The importer's pointers, turned into references once they are neither NULL nor misaligned.
 //!
-//! What is unsafe here is the importer's promise: an array has the length that is passed with it, a
-//! string ends with NUL, and nobody else uses either during the call.
+//! What is unsafe here is what cannot be seen of a pointer; `ffi.rs` says who promises it. The lifetime of a reference
+//! is the caller's to choose: it may not outlast the call of the importer.
 
 use crate::Error;
 use core::ffi::{CStr, c_char};
 
 /// An array of `count` values; that of an empty one is not looked at.
+///
+/// # Safety
+/// A pointer that is usable points at `count` values of `T`, which nobody writes to during `'a`.
 pub(super) unsafe fn slice<'a, T>(
     argument: &'static str,
     values: *const T,
@@ -15,12 +18,15 @@ pub(super) unsafe fn slice<'a, T>(
     match count {
         0 => Ok(&[]),
         _ if unusable(values) => Err(Error::Pointer(argument)),
-        // SAFETY: not NULL, aligned, and by the importer's promise of that length.
+        // SAFETY: not NULL, aligned; the length is this function's condition.
         _ => Ok(unsafe { core::slice::from_raw_parts(values, count) }),
     }
 }
 
 /// An array of `count` values, to be written.
+///
+/// # Safety
+/// A pointer that is usable points at `count` values of `T`, which nobody else uses during `'a`.
 pub(super) unsafe fn slice_mut<'a, T>(
     argument: &'static str,
     values: *mut T,
@@ -29,12 +35,15 @@ pub(super) unsafe fn slice_mut<'a, T>(
     match count {
         0 => Ok(&mut []),
         _ if unusable(values) => Err(Error::Pointer(argument)),
-        // SAFETY: as above, and the importer reads it after the call only.
+        // SAFETY: not NULL, aligned; length and that it is nobody else's are this function's condition.
         _ => Ok(unsafe { core::slice::from_raw_parts_mut(values, count) }),
     }
 }
 
 /// A single value, to be written.
+///
+/// # Safety
+/// A pointer that is usable points at a `T`, which nobody else uses during `'a`.
 pub(super) unsafe fn place<'a, T>(
     argument: &'static str,
     value: *mut T,
@@ -42,13 +51,16 @@ pub(super) unsafe fn place<'a, T>(
     if unusable(value) {
         return Err(Error::Pointer(argument));
     }
-    // SAFETY: not NULL, aligned, and by the importer's promise writable.
+    // SAFETY: not NULL, aligned; that it is there and nobody else's is this function's condition.
     Ok(unsafe { &mut *value })
 }
 
 /// A string; `None` for NULL.
+///
+/// # Safety
+/// A pointer that is not NULL points at a string that ends with NUL, and which nobody writes to during `'a`.
 pub(super) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
-    // SAFETY: not NULL, and by the importer's promise NUL-terminated.
+    // SAFETY: not NULL; that it ends is this function's condition.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 

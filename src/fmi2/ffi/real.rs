@@ -91,7 +91,7 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
     let plain = words & ELSEWHERE == 0 && (!(on_demand && saved.late) || computed(saved));
     if plain {
         for (&reference, value) in references.iter().zip(values.iter_mut()).rev() {
-            // SAFETY: all are Reals.
+            // SAFETY: it is below `ARMS`, and a Real: no word has the bit `ELSEWHERE`, as all others do.
             *value = *unsafe { field::<M, f64>(saved, reference) };
         }
     }
@@ -118,7 +118,7 @@ pub(crate) fn get_others<M: Model, T: Other, A: From<T>>(
         return false;
     }
     for (&reference, value) in references.iter().zip(values).rev() {
-        // SAFETY: all are of this type.
+        // SAFETY: it is below `ARMS`, and its word has the bit of the type.
         *value = (*unsafe { field::<M, T>(saved, reference) }).into();
     }
     true
@@ -160,7 +160,7 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
         }
         let known = known(saved, reference);
         value = value.wrapping_sub(1);
-        // SAFETY: it is the value of the reference; there are as many of both.
+        // SAFETY: it is within `values`: one step back from its end for each of as many references.
         if !(known.low..=known.high).contains(unsafe { &*value }) {
             return false;
         }
@@ -170,7 +170,7 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
     let plain = sum == words.into();
     if plain {
         for (&reference, &value) in references.iter().zip(values).rev() {
-            // SAFETY: all are Reals.
+            // SAFETY: it is below `ARMS`, and a Real: no word has the bit `ELSEWHERE`, or the sum would exceed `words`.
             *unsafe { field::<M, f64>(saved, reference) } = value;
         }
     }
@@ -180,7 +180,7 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
 /// The field of a reference that is below [`ARMS`].
 ///
 /// # Safety
-/// It is a variable of type `T`.
+/// It is one, and a variable of type `T`.
 #[inline(always)]
 unsafe fn field<M: Model, T>(saved: &mut Saved<M>, reference: u32) -> &mut T {
     let distance = known(saved, reference).distance;
@@ -281,6 +281,8 @@ fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Known {
     }
 }
 
+/// A macro, as an arm per row is written out: the compiler makes a table of a `match` on literals, and no generic
+/// function has a number of arms.
 macro_rules! match_rows {
     ($reference:ident, $saved:ident: $($row:literal)*) => {
         match ($reference % ARMS).to_le_bytes()[0].wrapping_sub(128).cast_signed() {

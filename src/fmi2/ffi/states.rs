@@ -12,7 +12,7 @@ impl<M: Model> Library<M> {
     /// `fmi2GetFMUstate`: makes a state, or overwrites the one that `*state` holds.
     pub unsafe fn get_state(&self, component: *mut c_void, state: *mut *mut c_void) -> Status {
         self.enter(component, Call::GetFMUstate, |instance, _| {
-            // SAFETY: the importer's promise.
+            // SAFETY: room for one state (Places, 2.1.8).
             self.put_state(unsafe { place("FMUstate", state)? }, || {
                 Ok(Box::new(instance.save()?))
             })
@@ -35,7 +35,7 @@ impl<M: Model> Library<M> {
                 self.drop_state(entered);
                 return Ok(());
             }
-            // SAFETY: the importer's promise.
+            // SAFETY: it is no state of ours, so the place of one (Places, 2.1.8).
             let state = unsafe { place("FMUstate", state)? };
             if !state.is_null() {
                 self.drop_state(self.states.enter(state.addr()).ok_or(Error::State)?);
@@ -59,7 +59,7 @@ impl<M: Model> Library<M> {
     ) -> Status {
         self.enter(component, Call::SerializedFMUstateSize, |instance, _| {
             instance.permit(Call::SerializedFMUstateSize)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: room for a size (Places, 2.1.8).
             let size = unsafe { place("size", size)? };
             self.with_state(state, |saved| {
                 *size = saved.to_bytes_under(self.table_hash()).len();
@@ -84,7 +84,7 @@ impl<M: Model> Library<M> {
                 if size < needed {
                     return Err(Error::Size { size, needed });
                 }
-                // SAFETY: the importer's promise; no more than the state's size is touched.
+                // SAFETY: room for `size` bytes (Arrays, 2.1.8), of which no more than those of the state are touched.
                 unsafe { slice_mut("serializedState", bytes, needed)? }.copy_from_slice(&saved);
                 Ok(())
             })
@@ -107,9 +107,9 @@ impl<M: Model> Library<M> {
                     "has another length than those of this model",
                 ));
             }
-            // SAFETY: the importer's promise.
+            // SAFETY: `size` bytes (Arrays, 2.1.8).
             let bytes = unsafe { slice("serializedState", bytes, size)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: room for one state (Places, 2.1.8) that does not lie among the bytes (Stillness).
             let state = unsafe { place("FMUstate", state)? };
             self.put_state(state, || {
                 Saved::from_bytes_under(self.table_hash(), bytes, instance.fresh())

@@ -18,14 +18,14 @@ impl<M: Model> Library<M> {
         values: *mut *const c_char,
     ) -> Status {
         if const { !has_strings::<M>() } {
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             return unsafe { self.no_strings(component, Call::GetString, references, count) };
         }
         self.enter_component(component, Call::GetString, |component| {
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             let references = unsafe { slice("vr", references, count)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: room for `count` strings (Arrays, 2.1.7) that lies apart (Stillness).
             let values = unsafe { slice_mut("value", values, count)? };
             let mut texts = Box::default();
             component.with_log(|instance, log| {
@@ -49,18 +49,18 @@ impl<M: Model> Library<M> {
         values: *const *const c_char,
     ) -> Status {
         if const { !has_strings::<M>() } {
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             return unsafe { self.no_strings(component, Call::SetString, references, count) };
         }
         self.enter(component, Call::SetString, |instance, _| {
             instance.permit(Call::SetString)?;
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             let references = unsafe { slice("vr", references, count)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` strings (Arrays, 2.1.7).
             let values = unsafe { slice("value", values, count)? };
             let read = |&value: &*const c_char| {
-                // SAFETY: NULL or, by the importer's promise, a string.
+                // SAFETY: NULL, or it ends (Strings).
                 let text = unsafe { text(value) }.ok_or(Error::Pointer("value"))?;
                 text.to_str().map_err(|_| Error::NotUtf8)
             };
@@ -80,7 +80,7 @@ impl<M: Model> Library<M> {
         self.enter(component, call, |instance, _| {
             instance.permit(call)?;
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             let references = unsafe { slice("vr", references, count)? };
             let kind = "String";
             references.first().map_or(Ok(()), |&reference| {

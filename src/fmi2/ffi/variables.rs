@@ -21,11 +21,11 @@ impl<M: Model> Library<M> {
         values: *mut f64,
     ) -> Status {
         let enter = || self.instances.enter_first(component.addr());
-        // SAFETY: the importer's promise.
+        // SAFETY: `count` references and as many places for values (Arrays, 2.1.7).
         if unsafe { Self::get_plainly(enter, Instance::get_plainly, references, count, values) } {
             return Status::Ok;
         }
-        // SAFETY: the importer's promise.
+        // SAFETY: the same.
         unsafe { Self::get_carefully(component, references, count, values, self) }
     }
 
@@ -38,11 +38,11 @@ impl<M: Model> Library<M> {
         count: usize,
         values: *const f64,
     ) -> Status {
-        // SAFETY: the importer's promise.
+        // SAFETY: `count` references and as many values (Arrays, 2.1.7).
         if unsafe { self.set_plainly(component, references, count, values) } {
             return Status::Ok;
         }
-        // SAFETY: the importer's promise.
+        // SAFETY: the same.
         unsafe { Self::set_carefully(component, references, count, values, self) }
     }
 
@@ -58,7 +58,7 @@ impl<M: Model> Library<M> {
             if count.wrapping_sub(1) >= const { names::<M>() } || !usable(references, values) {
                 return false;
             }
-            // SAFETY: usable, and by the importer's promise of that length; read after the call only.
+            // SAFETY: usable, not empty, of that length (Arrays, 2.1.7), and two arrays (Stillness).
             let (references, values) = unsafe {
                 (
                     from_raw_parts(references, count),
@@ -81,7 +81,7 @@ impl<M: Model> Library<M> {
             if count.wrapping_sub(1) >= real::most::<M>() || !usable(references, values) {
                 return false;
             }
-            // SAFETY: usable, and by the importer's promise of that length.
+            // SAFETY: usable, not empty, of that length (Arrays, 2.1.7), and not written to meanwhile (Stillness).
             let (references, values) = unsafe {
                 (
                     from_raw_parts(references, count),
@@ -108,11 +108,11 @@ impl<M: Model> Library<M> {
         let get = |instance: &mut Instance<M>, references: &[u32], values: &mut [f64]| {
             instance.get_plainly(references, values)
         };
-        // SAFETY: the importer's promise.
+        // SAFETY: `count` references and as many places for values (Arrays, 2.1.7).
         if unsafe { Self::get_plainly(enter, get, references, count, values) } {
             return Status::Ok;
         }
-        // SAFETY: the importer's promise.
+        // SAFETY: the same.
         unsafe { library.get::<f64, f64>(component, references, count, values) }
     }
 
@@ -129,9 +129,9 @@ impl<M: Model> Library<M> {
     ) -> Status {
         library.enter(component, Call::SetReal, |instance, _| {
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             let references = unsafe { slice("vr", references, count)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` values (Arrays, 2.1.7).
             let values = unsafe { slice("value", values, count)? };
             let few = (1..=real::most::<M>()).contains(&count);
             if few && instance.set_plainly(references, values) {
@@ -152,11 +152,11 @@ impl<M: Model> Library<M> {
     ) -> Status {
         let enter = || self.instances.enter_first(component.addr());
         let get = Instance::get_others_plainly::<T, A>;
-        // SAFETY: the importer's promise.
+        // SAFETY: `count` references and as many places for values (Arrays, 2.1.7).
         if unsafe { Self::get_plainly(enter, get, references, count, values) } {
             return Status::Ok;
         }
-        // SAFETY: the importer's promise.
+        // SAFETY: the same.
         unsafe { self.get::<T, A>(component, references, count, values) }
     }
 
@@ -171,9 +171,9 @@ impl<M: Model> Library<M> {
     ) -> Status {
         self.enter(component, T::GET, |instance, log| {
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             let references = unsafe { slice("vr", references, count)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: room for `count` values (Arrays, 2.1.7) that lies apart (Stillness).
             let values = unsafe { slice_mut("value", values, count)? };
             let read = instance.get::<T>(references, log)?;
             for (to, from) in values.iter_mut().zip(read) {
@@ -195,9 +195,9 @@ impl<M: Model> Library<M> {
     ) -> Status {
         self.enter(component, T::SET, |instance, _| {
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` references (Arrays, 2.1.7).
             let references = unsafe { slice("vr", references, count)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` values (Arrays, 2.1.7).
             let values = unsafe { slice("value", values, count)? };
             instance.set(references, values.iter().map(|value| convert(*value)))
         })
@@ -214,9 +214,9 @@ impl<M: Model> Library<M> {
     ) -> Status {
         self.enter(component, Call::SetRealInputDerivatives, |instance, _| {
             plausible::<M>(count)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` of both (Arrays, 4.2.1).
             let (references, orders) = unsafe { derivatives(references, orders, count)? };
-            // SAFETY: the importer's promise.
+            // SAFETY: `count` values (Arrays, 4.2.1).
             let values = unsafe { slice("value", values, count)? };
             instance.set_input_derivatives(references, orders, values)
         })
@@ -236,9 +236,9 @@ impl<M: Model> Library<M> {
             Call::GetRealOutputDerivatives,
             |instance, log| {
                 plausible::<M>(count)?;
-                // SAFETY: the importer's promise.
+                // SAFETY: `count` of both (Arrays, 4.2.1).
                 let (references, orders) = unsafe { derivatives(references, orders, count)? };
-                // SAFETY: the importer's promise.
+                // SAFETY: room for `count` values (Arrays, 4.2.1) that lies apart (Stillness).
                 let values = unsafe { slice_mut("value", values, count)? };
                 let read = instance.output_derivatives(references, orders, log)?;
                 for (to, from) in values.iter_mut().zip(read) {
@@ -264,13 +264,13 @@ impl<M: Model> Library<M> {
             |instance, log| {
                 counts.into_iter().try_for_each(plausible::<M>)?;
                 let [outputs, inputs] = counts;
-                // SAFETY: the importer's promise.
+                // SAFETY: `outputs` references (Arrays, 2.1.9).
                 let unknowns = unsafe { slice("vUnknown_ref", unknowns, outputs)? };
-                // SAFETY: the importer's promise.
+                // SAFETY: `inputs` references (Arrays, 2.1.9).
                 let knowns = unsafe { slice("vKnown_ref", knowns, inputs)? };
-                // SAFETY: the importer's promise.
+                // SAFETY: one value for each known (Arrays, 2.1.9).
                 let direction = unsafe { slice("dvKnown", direction, inputs)? };
-                // SAFETY: the importer's promise.
+                // SAFETY: room for one value for each unknown (Arrays, 2.1.9) that lies apart (Stillness).
                 let derivatives = unsafe { slice_mut("dvUnknown", derivatives, outputs)? };
                 let references = (unknowns, knowns);
                 instance.directional_derivative(references, direction, derivatives, log)
@@ -287,7 +287,7 @@ impl<M: Model> Library<M> {
     ) -> Status {
         self.enter(component, Call::GetRealStatus, |instance, _| {
             let time = instance.last_successful_time(kind)?;
-            // SAFETY: the importer's promise.
+            // SAFETY: room for one value (Places, 4.2.3).
             *unsafe { place("value", value)? } = time;
             Ok(())
         })
@@ -295,12 +295,15 @@ impl<M: Model> Library<M> {
 }
 
 /// Value references and orders of derivatives.
+///
+/// # Safety
+/// There are `count` of both, or NULL is in their place.
 unsafe fn derivatives<'a>(
     references: *const u32,
     orders: *const c_int,
     count: usize,
 ) -> Result<(&'a [u32], &'a [c_int]), Error> {
-    // SAFETY: the importer's promise.
+    // SAFETY: this function's condition: `count` of both (Arrays, 4.2.1).
     unsafe {
         Ok((
             slice("vr", references, count)?,

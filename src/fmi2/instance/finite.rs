@@ -33,7 +33,8 @@ fn term<M: Model, const BLOCK: usize, const ROW: usize>(model: &mut M) -> f64 {
     }
 }
 
-/// The sum of `f::<0>()` to `f::<15>()`.
+/// The sum of `f::<0>()` to `f::<15>()`. A macro, as the row has to be a constant in each term: a generic function could
+/// not count, for its next parameter would be an expression of a parameter (`generic_const_exprs`).
 macro_rules! sixteen {
     ($k:ident => $term:expr) => {
         sixteen!($k => $term; 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15)
