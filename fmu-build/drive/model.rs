@@ -4,8 +4,7 @@ use super::{Kind, Part, Place, Role, Signal, whole};
 use crate::description::names;
 use crate::outside::Fault;
 use crate::{Error, Result};
-use fmi2_cosim::{Access, Category, Causality, Instance, Log, Model, Resources};
-use std::fmt;
+use fmi2_cosim::{Access, Causality, Instance, Log, Model, Resources};
 use std::path::Path;
 
 /// An instance of `M` with its signals.
@@ -20,12 +19,9 @@ impl<M: Model> Driven<M> {
         let mut driven = Self::new();
         if M::RESOURCES {
             let folder = package.join("resources");
-            let mut nobody = |_: Category, _: fmt::Arguments<'_>| {};
             let found = Resources::at(&folder);
-            let loaded = found.and_then(|found| {
-                let log = &mut Log::new(&mut nobody);
-                driven.instance.load(Some(&found), log)
-            });
+            let loaded =
+                found.and_then(|found| driven.instance.load(Some(&found), &mut Log::silent()));
             loaded.map_err(|fault| {
                 let said = fault.to_string();
                 Error::Outside(Fault::Resources { folder, said })
@@ -73,8 +69,7 @@ impl<M: Model> Driven<M> {
 fn silent<T>(
     call: impl FnOnce(&mut Log<'_>) -> std::result::Result<T, fmi2_cosim::Error>,
 ) -> Result<T> {
-    let mut nobody = |_: Category, _: fmt::Arguments<'_>| {};
-    call(&mut Log::new(&mut nobody)).map_err(Error::Model)
+    call(&mut Log::silent()).map_err(Error::Model)
 }
 
 impl<M: Model> Part for Driven<M> {

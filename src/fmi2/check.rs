@@ -181,7 +181,7 @@ const fn position<M>(rows: &[Variable<M>], name: &str) -> usize {
 }
 
 /// Compares from the end: structured names differ there, and the compiler counts its work.
-const fn same(one: &str, other: &str) -> bool {
+pub(crate) const fn same(one: &str, other: &str) -> bool {
     let (one, other) = (one.as_bytes(), other.as_bytes());
     let mut left = one.len();
     if left != other.len() {
