@@ -4,11 +4,16 @@
 use crate::hash::Hash;
 use crate::row::{has_strings, rows};
 use crate::{Access, Alias, Enumeration, Model, Unit, Variable};
+use core::any::TypeId;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// GUID of model `M`, as in `modelDescription.xml`: `{xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx}`.
+///
+/// What the table says is hashed by the compiler, the start values once in a process.
 #[must_use]
 pub fn guid<M: Model>() -> String {
-    text(table_hash::<M>()).map(char::from).iter().collect()
+    text(kept_hash::<M>()).map(char::from).iter().collect()
 }
 
 /// How a GUID is written; each x is a digit.
@@ -31,6 +36,19 @@ pub(crate) fn text(hash: u128) -> Text {
             digit => b'a' + digit - 10,
         }
     })
+}
+
+/// [`table_hash`], made once for each model of a process; an FMU has one model, and keeps its own.
+pub(crate) fn kept_hash<M: Model>() -> u128 {
+    static KEPT: Mutex<BTreeMap<TypeId, u128>> = Mutex::new(BTreeMap::new());
+    let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let model = TypeId::of::<M>();
+    if let Some(hash) = kept().get(&model) {
+        return *hash;
+    }
+    let hash = table_hash::<M>(); // without the lock: a start value may ask for another model's GUID
+    kept().insert(model, hash);
+    hash
 }
 
 /// The GUID as a number. What the table says is hashed by the compiler; so the library need not hold it.
@@ -158,4 +176,49 @@ const fn number(hash: &mut Hash, number: f64) {
 
 const fn count(hash: &mut Hash, count: usize) {
     hash.bytes(&(count as u64).to_le_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guid;
+    use crate::{Experiment, Failure, Log, Model, StateFields, Unit, Variable};
+    use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+    static MADE: AtomicUsize = AtomicUsize::new(0);
+
+    /// A model that counts how often it is made.
+    #[derive(Clone)]
+    struct Counted(f64);
+
+    impl Default for Counted {
+        fn default() -> Self {
+            MADE.fetch_add(1, Relaxed);
+            Self(0.5)
+        }
+    }
+
+    impl Model for Counted {
+        const NAME: &'static str = "Counted";
+        const DESCRIPTION: &'static str = "";
+        const EXPERIMENT: Experiment = Experiment::new(0.0, 1.0, 0.1);
+        const VARIABLES: &'static [Variable<Self>] =
+            &[Variable::input("u", Unit::ONE, |m: &mut Self| &mut m.0, "")];
+
+        fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn step(&mut self, _: f64, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn hidden_state(&mut self, _: &mut dyn StateFields) {}
+    }
+
+    #[test]
+    fn a_model_is_made_once_for_its_guid() {
+        let first = guid::<Counted>();
+        assert_eq!(guid::<Counted>(), first);
+        assert_eq!(MADE.load(Relaxed), 1);
+    }
 }

@@ -7,7 +7,7 @@
 //! All little-endian. The payload holds life cycle, times, all variables of the table but constants, with their
 //! rates, and the model's hidden state.
 
-use crate::guid::table_hash;
+use crate::guid::kept_hash;
 use crate::hash::Hash;
 use crate::row::{Row, has_constants, has_strings, rows};
 use crate::value::{Sealed as _, finite};
@@ -51,10 +51,10 @@ impl<M: Model> Saved<M> {
     /// The state as bytes; their number is the same for every state of a model, but for that of its texts.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        self.to_bytes_under(table_hash::<M>())
+        self.to_bytes_under(kept_hash::<M>())
     }
 
-    /// As [`Self::to_bytes`], with the table's hash, which takes longer than all the rest, known.
+    /// As [`Self::to_bytes`], with the table's hash known.
     pub(crate) fn to_bytes_under(&self, guid: u128) -> Vec<u8> {
         let mut payload = Writer::default();
         let mut all = self.clone();
@@ -79,7 +79,7 @@ impl<M: Model> Saved<M> {
     /// # Errors
     /// [`Error::Serialised`] when the bytes are of another FMU or version, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        Ok(*Self::from_bytes_under(table_hash::<M>(), bytes, None)?)
+        Ok(*Self::from_bytes_under(kept_hash::<M>(), bytes, None)?)
     }
 
     /// As [`Self::from_bytes`], with the table's hash known; not on the stack, where a model may be large.
