@@ -44,6 +44,8 @@ pub enum Error {
         variable: &'static str,
         /// State the call came in.
         state: State,
+        /// Why, and what to do.
+        remedy: &'static str,
     },
     /// A value is NaN or infinite.
     NotFinite {
@@ -182,8 +184,12 @@ impl fmt::Display for Error {
                     "value reference {reference} is no {kind} variable of this model"
                 )
             }
-            Self::NotSettable { variable, state } => {
-                write!(f, "{variable} may not be set in state {state}")
+            Self::NotSettable {
+                variable,
+                state,
+                remedy,
+            } => {
+                write!(f, "{variable} may not be set in state {state}: {remedy}")
             }
             Self::NotFinite { variable, value } => write!(f, "{variable} = {value} is not finite"),
             Self::BelowMin {

@@ -146,10 +146,22 @@ pub(crate) fn settable<M>(row: &Row<M>, state: State) -> Result<(), Error> {
     if legal {
         Ok(())
     } else {
-        Err(Error::NotSettable {
-            variable: row.name,
-            state,
-        })
+        Err(not_settable(row, state))
+    }
+}
+
+#[cold]
+fn not_settable<M>(row: &Row<M>, state: State) -> Error {
+    Error::NotSettable {
+        variable: row.name,
+        state,
+        remedy: match row.causality {
+            Causality::Parameter => {
+                "it is a fixed parameter; set it before initialisation ends, or after fmi2Reset"
+            }
+            _ if row.computed => "the model computes it; set what it depends on",
+            _ => "it is a constant",
+        },
     }
 }
 

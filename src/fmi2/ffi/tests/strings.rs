@@ -179,13 +179,13 @@ fn what_is_refused_changes_nothing_and_is_told() {
             &[GUEST, SAYS],
             &[c"Bo", c""],
             Status::Error,
-            "says may not be set in state stepComplete",
+            "says may not be set in state stepComplete: the model computes it; set what it depends on",
         ),
         (
             &[GUEST, GREETING],
             &[c"Bo", c""],
             Status::Error,
-            "greeting may not be set in state",
+            "greeting may not be set in state stepComplete: it is a fixed parameter; set it before initialisation ends",
         ),
         (
             &[GUEST, REAL],
