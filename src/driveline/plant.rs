@@ -115,8 +115,9 @@ pub struct Plant {
     pub work: Work,
     /// Energy stored at the start, and brought since then by the wheels of gears [J].
     pub stored_at_start: f64,
-    /// The road at the start of the last step, so that what it is made of is not computed anew.
-    pub(crate) grade: Grade,
+    /// The road at the start of the last step, so that what it is made of is not computed anew; no state, for one of
+    /// another road, or of none, is.
+    pub grade: Grade,
 }
 
 impl Plant {

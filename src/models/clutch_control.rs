@@ -176,10 +176,28 @@ impl Model for ClutchControl {
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
-        fields.real(self.state.t_o.state());
-        fields.reals(&mut self.state.mu);
-        for servo in &mut self.state.servo {
-            fields.real(&mut servo.mu);
+        // All fields by name: one that is added does not compile before somebody has decided what it is.
+        let Self {
+            state: State { servo, t_o, mu },
+            // Variables of the table.
+            p: _,
+            nominal_friction: _,
+            tuning: _,
+            feedback: _,
+            request: _,
+            omega_e: _,
+            omega_c: _,
+            estimate: _,
+        } = self;
+        fields.real(t_o.state());
+        fields.reals(mu);
+        for servo in servo {
+            let Servo {
+                mu,
+                position: _, // variables of the table
+                trim: _,
+            } = servo;
+            fields.real(mu);
         }
     }
 }

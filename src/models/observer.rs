@@ -160,7 +160,19 @@ impl Model for Observer {
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
-        self.state.visit(&mut |value| fields.real(value));
+        // All fields by name: one that is added does not compile before somebody has decided what it is.
+        let Self {
+            state,
+            // Variables of the table.
+            p: _,
+            settings: _,
+            method: _,
+            load: _,
+            u: _,
+            y: _,
+            phase: _,
+        } = self;
+        state.visit(&mut |value| fields.real(value));
     }
 
     fn restored(&mut self) {

@@ -5,6 +5,7 @@
 //! depends on the positions at the communication point as well, and the table says so.
 
 mod efficiency;
+mod hidden;
 mod inputs;
 mod lining;
 mod losses;
@@ -22,7 +23,6 @@ use crate::vehicle::{Vehicle, check_maps};
 use dct_driveline::Params;
 use dct_driveline::jerk::JerkFilter;
 use dct_driveline::matrices::{C, D, E, O, State, W};
-use dct_driveline::plant::mesh::Meshes;
 use dct_driveline::plant::modes::Mode;
 use dct_driveline::plant::{self as driveline, InputRate, Output};
 use fmi2_cosim::{Experiment, Failure, Log, Model, Seconds, StateFields, Variable};
@@ -314,36 +314,29 @@ impl Model for Plant {
     }
 
     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
-        let gears = self.state.gear.iter_mut().chain(&mut self.refused);
-        gears.for_each(|gear| fields.integer(gear));
-        fields.reals(self.state.x.as_mut_slice());
-        let driveline::Plant {
-            modes,
-            brake,
-            synchroniser,
-            meshes: Meshes { load, output },
-            ..
-        } = &mut self.state;
-        let shafts = synchroniser.iter_mut().chain(load);
-        for mode in modes.iter_mut().chain([brake, output]).chain(shafts) {
-            let mut code = *mode as i32;
-            fields.integer(&mut code);
-            *mode = table::mode(code);
-        }
-        let work = &mut self.state.work;
-        fields.reals(&mut work.friction);
-        for value in [
-            &mut work.engine,
-            &mut work.viscous,
-            &mut work.synchroniser,
-            &mut work.load,
-            &mut work.brake,
-        ] {
-            fields.real(value);
-        }
-        fields.reals(&mut self.state.temperature);
-        fields.real(&mut self.state.stored_at_start);
-        fields.reals(&mut self.jerk_filter.state);
+        // All fields by name: one that is added does not compile before somebody has decided what it is.
+        let Self {
+            refused,
+            state,
+            jerk_filter: JerkFilter {
+                state: filtered, ..
+            }, // its other field is kept, not state
+            // Variables of the table, and what is found again from them.
+            p: _,
+            engine_speed_start: _,
+            vehicle_speed_start: _,
+            jerk_time: _,
+            u: _,
+            u_rate: _,
+            pressed: _,
+            gear: _,
+            y: _,
+            comfort: _,
+            clutch_state: _,
+            propagation: _,
+        } = self;
+        hidden::visit(state, refused, fields);
+        fields.reals(filtered);
     }
 
     fn restored(&mut self) {
