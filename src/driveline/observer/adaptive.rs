@@ -186,18 +186,33 @@ impl Adaptive {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.x_hat.iter_mut().for_each(&mut *visit);
-        self.epsilon.iter_mut().for_each(&mut *visit);
-        self.innovation.iter_mut().for_each(&mut *visit);
-        self.load.visit(visit);
-        self.lock.visit(visit);
-        self.friction.visit(visit);
-        self.f_n.iter_mut().for_each(&mut *visit);
-        self.arm.iter_mut().for_each(&mut *visit);
-        self.slip.iter_mut().for_each(&mut *visit);
-        visit(&mut self.saturated);
-        self.g.iter_mut().for_each(&mut *visit);
-        self.monitor.visit(visit);
+        let Self {
+            x_hat,
+            epsilon,
+            innovation,
+            load,
+            lock,
+            friction,
+            f_n,
+            arm,
+            slip,
+            saturated,
+            g,
+            monitor,
+            cache: _,
+        } = self;
+        x_hat.iter_mut().for_each(&mut *visit);
+        epsilon.iter_mut().for_each(&mut *visit);
+        innovation.iter_mut().for_each(&mut *visit);
+        load.visit(visit);
+        lock.visit(visit);
+        friction.visit(visit);
+        f_n.iter_mut().for_each(&mut *visit);
+        arm.iter_mut().for_each(&mut *visit);
+        slip.iter_mut().for_each(&mut *visit);
+        visit(saturated);
+        g.iter_mut().for_each(&mut *visit);
+        monitor.visit(visit);
     }
 
     fn now(&self, now: &Instant<'_>, design: impl FnOnce(&At) -> Design) -> Now {

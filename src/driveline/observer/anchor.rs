@@ -132,11 +132,18 @@ impl Anchor {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        visit(&mut self.s);
-        visit(&mut self.variance);
-        visit(&mut self.mean);
-        self.sum.iter_mut().for_each(&mut *visit);
-        visit(&mut self.turn);
+        let Self {
+            s,
+            variance,
+            mean,
+            sum,
+            turn,
+        } = self;
+        visit(s);
+        visit(variance);
+        visit(mean);
+        sum.iter_mut().for_each(&mut *visit);
+        visit(turn);
     }
 }
 

@@ -52,7 +52,8 @@ impl BreakAway {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.most.iter_mut().chain(&mut self.apart).for_each(visit);
+        let Self { most, apart } = self;
+        most.iter_mut().chain(apart).for_each(visit);
     }
 }
 

@@ -224,13 +224,15 @@ impl Observer for Calibrating {
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.tracker.visit(visit);
-        self.anchor.visit(visit);
-        self.grip.visit(visit);
-        self.slope.iter_mut().for_each(&mut *visit);
-        self.map.iter_mut().for_each(|map| map.visit(visit));
-        self.heard.visit(visit);
-        self.walk.visit(visit);
+        #[rustfmt::skip] // a list
+        let Self { tracker, anchor, grip, slope, map, heard, walk } = self;
+        tracker.visit(visit);
+        anchor.visit(visit);
+        grip.visit(visit);
+        slope.iter_mut().for_each(&mut *visit);
+        map.iter_mut().for_each(|map| map.visit(visit));
+        heard.visit(visit);
+        walk.visit(visit);
     }
 }
 

@@ -128,10 +128,15 @@ impl Encoder {
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.belief.x.iter_mut().for_each(&mut *visit);
-        self.belief.p.iter_mut().for_each(&mut *visit);
-        visit(&mut self.last);
-        visit(&mut self.still);
+        let Self {
+            belief,
+            last,
+            still,
+        } = self;
+        belief.x.iter_mut().for_each(&mut *visit);
+        belief.p.iter_mut().for_each(&mut *visit);
+        visit(last);
+        visit(still);
     }
 }
 
@@ -233,10 +238,9 @@ impl Encoders {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.sensors
-            .iter_mut()
-            .for_each(|sensor| sensor.visit(visit));
-        self.ticks.iter_mut().for_each(|ticks| ticks.visit(visit));
+        let Self { sensors, ticks } = self;
+        sensors.iter_mut().for_each(|sensor| sensor.visit(visit));
+        ticks.iter_mut().for_each(|ticks| ticks.visit(visit));
     }
 }
 

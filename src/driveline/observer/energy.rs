@@ -205,18 +205,30 @@ impl Observer for Energy {
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.x_hat.iter_mut().for_each(&mut *visit);
-        self.epsilon.iter_mut().for_each(&mut *visit);
-        self.break_away.visit(visit);
-        self.innovation.iter_mut().for_each(&mut *visit);
-        self.load.visit(visit);
-        self.lock.visit(visit);
-        self.friction.visit(visit);
-        self.monitor.visit(visit);
-        self.g.iter_mut().for_each(&mut *visit);
-        for switch in &mut self.slipping {
-            visit_switch(switch, visit);
-        }
+        let Self {
+            x_hat,
+            epsilon,
+            break_away,
+            innovation,
+            load,
+            lock,
+            friction,
+            monitor,
+            g,
+            slipping,
+            cache: _,
+        } = self;
+        x_hat.iter_mut().for_each(&mut *visit);
+        epsilon.iter_mut().for_each(&mut *visit);
+        break_away.visit(visit);
+        innovation.iter_mut().for_each(&mut *visit);
+        load.visit(visit);
+        lock.visit(visit);
+        friction.visit(visit);
+        monitor.visit(visit);
+        g.iter_mut().for_each(&mut *visit);
+        let switches = slipping.iter_mut();
+        switches.for_each(|switch| visit_switch(switch, visit));
     }
 }
 

@@ -71,7 +71,8 @@ impl Grip {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.lever.iter_mut().for_each(visit);
+        let Self { lever } = self;
+        lever.iter_mut().for_each(visit);
     }
 }
 

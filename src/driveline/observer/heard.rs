@@ -78,7 +78,8 @@ impl Heard {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.variance.iter_mut().for_each(visit);
+        let Self { variance } = self;
+        variance.iter_mut().for_each(visit);
     }
 }
 

@@ -143,8 +143,13 @@ impl Observer for Kalman {
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.tracker.visit(visit);
-        self.grip.visit(visit);
+        let Self {
+            tracker,
+            grip,
+            cache: _,
+        } = self;
+        tracker.visit(visit);
+        grip.visit(visit);
     }
 }
 

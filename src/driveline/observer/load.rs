@@ -82,17 +82,20 @@ impl Default for Load {
 impl Load {
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        for value in [
-            &mut self.momentum,
-            &mut self.torque,
-            &mut self.j_out,
-            &mut self.running,
-            &mut self.t_v,
-            &mut self.held,
-        ] {
+        let Self {
+            momentum,
+            torque,
+            j_out,
+            running,
+            t_v,
+            held,
+            found,
+            forget: _,
+        } = self;
+        for value in [momentum, torque, j_out, running, t_v, held] {
             visit(value);
         }
-        visit_switch(&mut self.found, visit);
+        visit_switch(found, visit);
     }
 
     /// T_v [N·m] at an instant `h` [s] after the last one.

@@ -188,10 +188,19 @@ impl Lock {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        let numbers = self.since.iter_mut().chain(&mut self.swing);
-        let all = numbers.chain(&mut self.direction).chain(&mut self.slip);
+        let Self {
+            since,
+            swing,
+            direction,
+            slip,
+            met,
+            freed,
+            wary: _,
+        } = self;
+        let numbers = since.iter_mut().chain(swing);
+        let all = numbers.chain(direction).chain(slip);
         all.for_each(&mut *visit);
-        for switch in self.met.iter_mut().chain(&mut self.freed) {
+        for switch in met.iter_mut().chain(freed) {
             visit_switch(switch, visit);
         }
     }

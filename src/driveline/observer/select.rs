@@ -87,12 +87,21 @@ impl Observer for Selected {
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
-        self.inputs.visit(visit);
-        self.paper.visit(visit);
-        self.lyapunov.visit(visit);
-        self.energy.visit(visit);
-        self.kalman.visit(visit);
-        self.calibrating.visit(visit);
+        let Self {
+            inputs,
+            paper,
+            lyapunov,
+            energy,
+            kalman,
+            calibrating,
+            method: _,
+        } = self;
+        inputs.visit(visit);
+        paper.visit(visit);
+        lyapunov.visit(visit);
+        energy.visit(visit);
+        kalman.visit(visit);
+        calibrating.visit(visit);
     }
 }
 
@@ -141,7 +150,8 @@ impl Inputs {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.encoders.visit(visit);
-        self.shift.visit(visit);
+        let Self { encoders, shift } = self;
+        encoders.visit(visit);
+        shift.visit(visit);
     }
 }

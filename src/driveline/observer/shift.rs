@@ -116,15 +116,21 @@ impl Shift {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        for gear in &mut self.gear {
+        let Self {
+            gear,
+            is_in,
+            difference,
+            omega_c,
+        } = self;
+        for gear in gear {
             let mut number = f64::from(*gear);
             visit(&mut number);
             *gear = whole(number);
         }
-        for is_in in &mut self.is_in {
+        for is_in in is_in {
             super::visit_switch(is_in, visit);
         }
-        let speeds = self.difference.iter_mut().chain(&mut self.omega_c);
+        let speeds = difference.iter_mut().chain(omega_c);
         speeds.for_each(visit);
     }
 }

@@ -75,9 +75,14 @@ impl Swing {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        visit(&mut self.shown);
-        visit(&mut self.spring);
-        visit(&mut self.load);
+        let Self {
+            shown,
+            spring,
+            load,
+        } = self;
+        visit(shown);
+        visit(spring);
+        visit(load);
     }
 }
 

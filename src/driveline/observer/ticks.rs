@@ -113,12 +113,13 @@ impl Ticks {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        for value in [
-            &mut self.tick,
-            &mut self.last,
-            &mut self.change,
-            &mut self.turns,
-        ] {
+        let Self {
+            tick,
+            last,
+            change,
+            turns,
+        } = self;
+        for value in [tick, last, change, turns] {
             visit(value);
         }
     }

@@ -267,17 +267,29 @@ impl<const N: usize> Tracker<N> {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        self.belief.x.iter_mut().for_each(&mut *visit);
-        self.belief.p.iter_mut().for_each(&mut *visit);
-        self.innovation.iter_mut().for_each(&mut *visit);
-        self.lock.visit(visit);
-        visit_clutch(&mut self.engaged, visit);
-        self.t_c.iter_mut().for_each(&mut *visit);
-        self.friction.visit(visit);
-        self.monitor.visit(visit);
-        self.g.iter_mut().for_each(&mut *visit);
-        visit(&mut self.surprise);
-        self.swing.visit(visit);
+        let Self {
+            belief,
+            innovation,
+            lock,
+            engaged,
+            t_c,
+            friction,
+            monitor,
+            g,
+            surprise,
+            swing,
+        } = self;
+        belief.x.iter_mut().for_each(&mut *visit);
+        belief.p.iter_mut().for_each(&mut *visit);
+        innovation.iter_mut().for_each(&mut *visit);
+        lock.visit(visit);
+        visit_clutch(engaged, visit);
+        t_c.iter_mut().for_each(&mut *visit);
+        friction.visit(visit);
+        monitor.visit(visit);
+        g.iter_mut().for_each(&mut *visit);
+        visit(surprise);
+        swing.visit(visit);
     }
 }
 

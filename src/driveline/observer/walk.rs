@@ -91,8 +91,9 @@ impl Walk {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        visit(&mut self.mean);
-        visit(&mut self.pull);
+        let Self { mean, pull } = self;
+        visit(mean);
+        visit(pull);
     }
 }
 
