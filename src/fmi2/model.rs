@@ -83,6 +83,58 @@ pub trait Model: Clone + Default + Send + 'static {
 
     /// Visits every field that is neither a variable of the table nor derived from one: the
     /// hidden state. It is written to and read from serialised FMU states in this order.
+    ///
+    /// A field that is forgotten here keeps its start value where a state is read back from bytes, and nothing else
+    /// tells. Name all fields, then one that is added does not compile before it was decided about. A test of a model
+    /// that is `PartialEq` finds one whatever it is for:
+    ///
+    /// ```
+    /// # use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Unit, Variable};
+    /// #[derive(Clone, Default, PartialEq)]
+    /// struct Lags {
+    ///     u: f64,
+    ///     first: f64,
+    ///     y: f64,
+    /// }
+    ///
+    /// impl Model for Lags {
+    ///     fn hidden_state(&mut self, fields: &mut dyn StateFields) {
+    ///         let Self { first, u: _, y: _ } = self; // without `..`
+    ///         fields.real(first);
+    ///     }
+    ///     // … NAME, VARIABLES, initialize, step and so on
+    /// #   const NAME: &'static str = "Lags";
+    /// #   const DESCRIPTION: &'static str = "";
+    /// #   const EXPERIMENT: Experiment = Experiment::new(0.0, 10.0, 0.1);
+    /// #   const VARIABLES: &'static [Variable<Self>] = &[
+    /// #       Variable::input("u", Unit::ONE, |m: &mut Self| &mut m.u, ""),
+    /// #       Variable::output("y", Unit::ONE, |m: &mut Self| &mut m.y, "").depends_on(&[]),
+    /// #   ];
+    /// #   fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+    /// #       Ok((self.first, self.y) = (0.0, 0.0))
+    /// #   }
+    /// #   fn step(&mut self, _: f64, step: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+    /// #       self.y += step * (self.first - self.y);
+    /// #       self.first += step * (self.u - self.first);
+    /// #       Ok(())
+    /// #   }
+    /// }
+    ///
+    /// # use fmi2_cosim::{Error, Instance, Reference, Saved};
+    /// # fn main() -> Result<(), Error> {
+    /// # let log = &mut Log::silent();
+    /// # let mut lags = Instance::<Lags>::default();
+    /// # lags.enter_initialization()?;
+    /// # lags.write(Reference::named("u"), 1.0)?;
+    /// # lags.exit_initialization(log)?;
+    /// lags.step(0.0, 0.1, log)?; // `lags` is an `Instance<Lags>`
+    /// let saved = lags.save()?;
+    /// assert!(Saved::from_bytes(&saved.to_bytes())? == saved);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// `cargo fmu check` reads a state back from bytes, too, and finds what shows in an output within eight steps.
     fn hidden_state(&mut self, fields: &mut dyn StateFields);
 
     /// Whether the parameters fit together. [`Self::initialize`] makes sure that they do; a serialised

@@ -19,7 +19,7 @@ const VERSION: u32 = 2;
 const HEADER: usize = 8 + 4 + 16 + 8 + 16;
 
 /// A saved FMU state: the model with its place in the life cycle.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub struct Saved<M> {
     pub(crate) model: M,
     pub(crate) state: State,
