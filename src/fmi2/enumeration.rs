@@ -1,7 +1,7 @@
 //! Types whose values have names.
 
 /// An enumeration type of the model description.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enumeration {
     /// Type name, e.g. `ValveState`.
     pub name: &'static str,
@@ -12,7 +12,7 @@ pub struct Enumeration {
 }
 
 /// One value of an [`Enumeration`].
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Item {
     /// Name, e.g. `opening`.
     pub name: &'static str,

@@ -3,6 +3,7 @@
 
 mod alias;
 mod check;
+mod debug;
 mod enumeration;
 mod error;
 mod export;

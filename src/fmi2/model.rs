@@ -129,7 +129,7 @@ pub trait Model: Clone + Default + Send + 'static {
     /// # lags.exit_initialization(log)?;
     /// lags.step(0.0, 0.1, log)?; // `lags` is an `Instance<Lags>`
     /// let saved = lags.save()?;
-    /// assert!(Saved::from_bytes(&saved.to_bytes())? == saved);
+    /// assert_eq!(Saved::from_bytes(&saved.to_bytes())?, saved);
     /// # Ok(())
     /// # }
     /// ```

@@ -102,6 +102,7 @@ const DISCRETE_OUTPUT: Kind = (Causality::Output, Variability::Discrete);
 const PARAMETER: Kind = (Causality::Parameter, Variability::Fixed);
 
 /// A row of the table: name, roles, unit, limits, dependencies, and where the value lives.
+#[must_use = "a row does something in a table only"]
 #[non_exhaustive]
 pub struct Variable<M: 'static> {
     /// Structured name, e.g. `valve1.position`.
