@@ -14,7 +14,7 @@ mod handle;
 mod hash;
 mod instance;
 mod logger;
-pub mod model;
+mod model;
 mod number;
 mod reference;
 mod request;
@@ -22,9 +22,9 @@ mod resources;
 mod row;
 mod saved;
 mod state;
-pub mod unit;
+mod unit;
 mod value;
-pub mod variable;
+mod variable;
 mod variables;
 
 pub use alias::Alias;
@@ -45,6 +45,12 @@ pub use variable::{Access, Causality, Initial, Variability, Variable};
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn the_readme_tells_the_compiler_that_the_manifest_asks_for() {
+        let told = concat!("\nRust ", env!("CARGO_PKG_RUST_VERSION"), " or later;");
+        assert!(include_str!("README.md").contains(told));
+    }
+
     /// The second example of the README runs the model of the first one, which is also in this file.
     #[test]
     fn the_readme_shows_the_model_that_its_examples_run() {

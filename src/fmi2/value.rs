@@ -5,7 +5,8 @@ use crate::{Access, Call, Causality, Error, Model, State, Variability};
 
 /// A type whose values the getters and setters of FMI move: `f64` (Real), `i32` (Integer, Enumeration) or `bool`.
 ///
-/// No other type can be one, `String` for its length neither ([`Typed`](crate::Typed) has it, too): the C boundary has no function for it.
+/// No other type can be one: the C boundary has no function for it. `String`, whose length is not fixed, has its own
+/// getter and setter; [`Typed`](crate::Typed) has it, too.
 ///
 /// ```compile_fail,E0277
 /// struct Price(f64);

@@ -1,18 +1,4 @@
 //! The row: everything the shell and the packager know of one variable, written once.
-//!
-//! ```
-//! use fmi2_cosim::{Unit, Variable};
-//!
-//! #[derive(Default)]
-//! struct Tank { inflow: f64, level: f64, area: f64 }
-//!
-//! const VARIABLES: &[Variable<Tank>] = &[
-//!     Variable::input("inflow", Unit::ONE, |m: &mut Tank| &mut m.inflow, "Inflow").min(0.0),
-//!     Variable::parameter("area", Unit::SQUARE_METRE, |m: &mut Tank| &mut m.area, "Base area"),
-//!     Variable::output("level", Unit::METRE, |m: &mut Tank| &mut m.level, "Level").depends_on(&[]),
-//! ];
-//! # assert_eq!(VARIABLES[2].name, "level");
-//! ```
 
 use crate::{Alias, Enumeration, Unit};
 
@@ -102,6 +88,20 @@ const DISCRETE_OUTPUT: Kind = (Causality::Output, Variability::Discrete);
 const PARAMETER: Kind = (Causality::Parameter, Variability::Fixed);
 
 /// A row of the table: name, roles, unit, limits, dependencies, and where the value lives.
+///
+/// ```
+/// use fmi2_cosim::{Unit, Variable};
+///
+/// #[derive(Default)]
+/// struct Tank { inflow: f64, level: f64, area: f64 }
+///
+/// const VARIABLES: &[Variable<Tank>] = &[
+///     Variable::input("inflow", Unit::ONE, |m: &mut Tank| &mut m.inflow, "Inflow").min(0.0),
+///     Variable::parameter("area", Unit::SQUARE_METRE, |m: &mut Tank| &mut m.area, "Base area"),
+///     Variable::output("level", Unit::METRE, |m: &mut Tank| &mut m.level, "Level").depends_on(&[]),
+/// ];
+/// # assert_eq!(VARIABLES[2].name, "level");
+/// ```
 #[must_use = "a row does something in a table only"]
 #[non_exhaustive]
 pub struct Variable<M: 'static> {
