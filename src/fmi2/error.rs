@@ -140,6 +140,13 @@ pub enum Error {
     },
     /// An FMU state was freed, is in use, is not of this FMU, or there is no room for another one.
     State,
+    /// A call has not as many values as variables.
+    Lengths {
+        /// How many variables.
+        variables: usize,
+        /// How many values, orders or directions.
+        values: usize,
+    },
     /// The same variable twice in one call.
     Duplicate {
         /// Its name.
@@ -261,6 +268,9 @@ impl fmt::Display for Error {
                 )
             }
             Self::State => f.write_str("argument FMUstate is no live state of this FMU"),
+            Self::Lengths { variables, values } => {
+                write!(f, "{values} values for {variables} variables")
+            }
             Self::Duplicate { variable } => write!(f, "{variable} is set twice in one call"),
             Self::UnknownCategory => unknown_category(f),
             Self::Instantiate(fault) => f.write_str(fault),

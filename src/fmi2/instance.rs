@@ -6,7 +6,7 @@
 
 use crate::row::{Row, row, rows};
 use crate::saved::Saved;
-use crate::value::{Sealed as _, Value, find, finite, settable};
+use crate::value::{Sealed as _, Value, as_many, find, finite, settable};
 use crate::{Call, Error, Failure, Log, Model, State};
 
 mod finite;
@@ -162,14 +162,15 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetReal` and its kin: checks everything, then writes everything.
     ///
     /// # Errors
-    /// For a reference of another type or one that is there twice, a row that may not be set now, and
-    /// a value out of range.
+    /// For another number of values than of references, a reference of another type or one that is there twice, a row
+    /// that may not be set now, and a value out of range.
     pub fn set<T: Value>(
         &mut self,
         references: &[u32],
-        values: impl Iterator<Item = T> + Clone,
+        values: impl ExactSizeIterator<Item = T> + Clone,
     ) -> Result<(), Error> {
         self.permit(T::SET)?;
+        as_many(references.len(), values.len())?;
         distinct::<M>(references)?;
         for (&reference, value) in references.iter().zip(values.clone()) {
             let (row, _) = find::<M, T>(reference)?;
@@ -187,7 +188,8 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetRealInputDerivatives`: first derivatives of inputs; each stays until it is set anew.
     ///
     /// # Errors
-    /// For an order other than 1, a row without a rate, and a value that is not finite.
+    /// For other numbers of orders or values than of references, an order other than 1, a row without a rate, and a
+    /// value that is not finite.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -195,6 +197,8 @@ impl<M: Model> Instance<M> {
         values: &[f64],
     ) -> Result<(), Error> {
         self.permit(Call::SetRealInputDerivatives)?;
+        as_many(references.len(), orders.len())?;
+        as_many(references.len(), values.len())?;
         distinct::<M>(references)?;
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let (row, _) = derivative::<M>(reference, order, |row| row.rate)?;
@@ -211,7 +215,7 @@ impl<M: Model> Instance<M> {
     /// `fmi2GetRealOutputDerivatives`: first derivatives of outputs.
     ///
     /// # Errors
-    /// For an order other than 1 and a row without a slope.
+    /// For another number of orders than of references, an order other than 1 and a row without a slope.
     pub fn output_derivatives<'a>(
         &'a mut self,
         references: &'a [u32],
@@ -219,6 +223,7 @@ impl<M: Model> Instance<M> {
         log: &mut Log<'_>,
     ) -> Result<impl Iterator<Item = f64> + use<'a, M>, Error> {
         self.permit(Call::GetRealOutputDerivatives)?;
+        as_many(references.len(), orders.len())?;
         for (&reference, &order) in references.iter().zip(orders) {
             derivative::<M>(reference, order, |row| row.slope)?;
         }

@@ -166,6 +166,15 @@ fn not_settable<M>(row: &Row<M>, state: State) -> Error {
     }
 }
 
+/// Refuses a call that has not as many values as variables.
+pub(crate) fn as_many(variables: usize, values: usize) -> Result<(), Error> {
+    if variables == values {
+        Ok(())
+    } else {
+        Err(Error::Lengths { variables, values })
+    }
+}
+
 /// Refuses NaN and infinities.
 pub(crate) fn finite(variable: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() {

@@ -2,7 +2,7 @@
 
 use super::{Instance, distinct};
 use crate::row::{Row, row};
-use crate::value::settable;
+use crate::value::{as_many, settable};
 use crate::{Access, Call, Error, Log, Model};
 
 type Field<M> = fn(&mut M) -> &mut String;
@@ -31,9 +31,11 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetString`: checks everything, then writes everything.
     ///
     /// # Errors
-    /// For a reference of another type or one that is there twice, and a row that may not be set now.
+    /// For another number of texts than of references, a reference of another type or one that is there twice, and a
+    /// row that may not be set now.
     pub fn set_strings(&mut self, references: &[u32], texts: &[&str]) -> Result<(), Error> {
         self.permit(Call::SetString)?;
+        as_many(references.len(), texts.len())?;
         distinct::<M>(references)?;
         let found = all::<M>(references)?;
         for (row, _) in &found {

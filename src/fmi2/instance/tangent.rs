@@ -2,7 +2,7 @@
 
 use super::{Instance, distinct};
 use crate::row::{Row, rows};
-use crate::value::{Sealed as _, find, finite};
+use crate::value::{Sealed as _, as_many, find, finite};
 use crate::{Call, Causality, Error, Log, Model};
 
 /// Whether a model has directional derivatives: it computes them, or no output depends on an input.
@@ -23,7 +23,8 @@ impl<M: Model> Instance<M> {
     /// number per known. `derivatives`: where the results go, one per unknown; untouched after an error.
     ///
     /// # Errors
-    /// When the model has none, and for a reference that is no output or no input of type Real.
+    /// When the model has none, for a reference that is no output or no input of type Real, and for other numbers of
+    /// values than of references.
     pub fn directional_derivative(
         &mut self,
         (unknowns, knowns): (&[u32], &[u32]),
@@ -35,6 +36,8 @@ impl<M: Model> Instance<M> {
         if !provides_directional_derivatives::<M>() {
             return Err(Error::NotSupported("directional derivatives"));
         }
+        as_many(knowns.len(), direction.len())?;
+        as_many(unknowns.len(), derivatives.len())?;
         distinct::<M>(knowns)?;
         for &reference in unknowns {
             of_causality::<M>(reference, Causality::Output)?;

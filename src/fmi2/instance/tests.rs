@@ -390,3 +390,11 @@ fn a_step_that_no_rounding_explains_is_kept() {
     let third = 1.0 / 3.0;
     assert!((nominal(third) - third).abs() <= 0.5e-12);
 }
+
+#[test]
+fn another_number_of_values_than_of_variables_sets_nothing() {
+    let (mut tank, variables, values) = (Instance::<Tank>::default(), 2, 1);
+    let told = tank.set(&[AREA, GAIN], [3.0].into_iter());
+    assert_eq!(told, Err(Error::Lengths { variables, values }));
+    assert_eq!(tank.now.model.area, 2.0);
+}
