@@ -18,6 +18,7 @@ from dct_harness.errors import ConfigError
 from dct_harness.sweep.cases import Job
 from dct_harness.sweep.sampling import METHODS, parse, points
 from dct_harness.sweep.workers import LOST, THREADS, parallel
+from harness_fixture import computing
 from harness_fixture.lag_fmu import HARNESS, environment, harness, write_system
 from pyarrow import parquet
 
@@ -196,22 +197,15 @@ def _alive(pids: set[int]) -> set[int]:
             if stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"}  # fmt: skip
 
 
-def _computes(job: Job) -> dict[str, int]:
-    """Return how many threads there are, of NumPy too, after a product of matrices."""
-    square = np.ones((500, 500))
-    assert (square @ square)[0, 0] == 500
-    return {"threads": len(os.listdir("/proc/self/task"))}
-
-
 def test_a_process_of_a_sweep_computes_in_one_thread_unless_the_user_chose(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.delenv(THREADS, raising=False)
-    (one,) = parallel([Job(1, {})], _computes, 1)
+    (one,) = parallel([Job(1, {})], computing.threads, 1)
     assert THREADS not in os.environ
     monkeypatch.setenv(THREADS, "2")
-    (two,) = parallel([Job(1, {})], _computes, 1)
-    assert two["threads"] - one["threads"] == 1
+    (two,) = parallel([Job(1, {})], computing.threads, 1)
+    assert (one["threads"], two["threads"]) == (0, 1)
 
 
 def test_workers_of_a_killed_sweep_end(lag_dir: Path, tmp_path: Path) -> None:
@@ -301,7 +295,7 @@ def test_a_second_ctrl_c_ends_runs_whose_fmu_does_not_return(tmp_path: Path, hos
         process.kill()
     while _alive(workers) and time.monotonic() < until:
         time.sleep(0.05)
-    assert in_time == 130
+    assert in_time in (130, -signal.SIGINT)  # the last one may come when Python itself has ended
     assert _alive(workers) == set()
 
 
