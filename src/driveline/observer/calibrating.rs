@@ -12,7 +12,7 @@
 //! measurements, whose noise would bias what is learnt; while a clutch slips they are smoothed as well. T_s has
 //! little noise, so the twist of the drive shaft is what torques are measured against. A slipping clutch moves
 //! with its force, an engaged one with the damper ([`grip`], carry.rs). Parameters walk slowly. How noisy the speeds are
-//! is heard from the innovations ([`heard`]), how fast T_v walks is seen from T̂_v ([`walk`]).
+//! is heard from the innovations ([`heard`]), how fast T_v walks is seen from T̂_v ([`walk`]); its rate is a state as well.
 //!
 //! **What can be told apart, phase by phase.** One clutch engaged, the other open: T_c is known twice, from
 //! the shaft (J_out ω_o' + T_o = g T_c) and from the engine (J_ed (1+δ) ω_e' = T_e + β − T_c). A steady drive
@@ -26,10 +26,10 @@
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
 //! clutches open, idle (1 s)            0.00   0.96   0.04   1.00   1.00   1.00   1.00
-//! clutch 1 slips: launch               0.03   0.02   0.07   0.07   0.08   0.23   0.13
-//! clutch 1 engages, the shaft swings   0.19   0.11   0.06   0.30   0.17   0.32   0.14
+//! clutch 1 slips: launch               0.03   0.02   0.07   0.07   0.08   0.23   0.15
+//! clutch 1 engages, the shaft swings   0.19   0.12   0.07   0.31   0.18   0.33   0.16
 //! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.98   0.25   0.25
-//! handover                             0.18   0.04   0.14   0.42   0.30   0.35   0.17
+//! handover                             0.18   0.04   0.14   0.43   0.32   0.35   0.17
 //! clutch 1 engaged: tip-in             0.56   0.15   0.06   0.28   0.16   0.63   0.17
 //! ```
 //!
@@ -48,7 +48,7 @@
 use crate::Params;
 use crate::observer::anchor::{Anchor, WITNESSES};
 use crate::observer::calibrating_model::{
-    BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, Vector, View,
+    BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, RATE, Vector, View,
 };
 use crate::observer::calibration::{Calibration, PARAMETERS};
 use crate::observer::filter::{Belief, Terms};
@@ -109,7 +109,7 @@ impl Gains {
         friction: [[0.3; POINTS]; 2],
     };
 
-    /// Intensities of the states, shape (14); an anchor does not walk.
+    /// Intensities of the states, shape (15); an anchor does not walk.
     fn intensities(&self, start: &Vector) -> Vector {
         let [q_t, q_v, q_w, q_s] = self.q;
         let mut all = Vector::zeros();
@@ -121,7 +121,7 @@ impl Gains {
         all
     }
 
-    /// Deviations of the states at the start, shape (14). A ratio to T_e is as uncertain as both.
+    /// Deviations of the states at the start, shape (15). A ratio to T_e is as uncertain as both.
     fn start(&self) -> Vector {
         let mut sigma = Vector::zeros();
         sigma.fixed_rows_mut::<SHARED>(0).copy_from_slice(&START);
@@ -252,10 +252,11 @@ impl Calibrating {
         View::new(p, sample, &belief.x, *engaged, 1.0 / self.anchor.factor())
     }
 
-    /// q_v, at most `most` [(N·m)²/s], of speeds whose noise is `believed` [rad/s].
+    /// Intensities of T_v [(N·m)²/s] and of its rate [(N·m/s)²/s]; of counted speeds, whose noise is not white, none of a rate.
     ///
     /// All of it while the vehicle begins to roll: no standstill shows its rolling resistance.
-    fn pace(&mut self, p: &Params, sample: &Sample, believed: f64, most: f64, h: f64) -> f64 {
+    fn pace(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> [f64; 2] {
+        let gains = &settings.calibrating;
         let Belief { x, p: variance } = &self.tracker.belief;
         let v = p.road.r_w * x[W_W];
         let seen = Seen {
@@ -263,13 +264,12 @@ impl Calibrating {
             t_a: self.view(p, sample).pull(),
             sigma_nu: ComplexField::sqrt(variance[(NU, NU)]),
         };
-        let quiet = self.heard.quiet(believed);
-        let pace = self.walk.intensity(&seen, quiet, most, h);
+        let (quiet, [_, most, ..]) = (self.heard.quiet(gains.sensor), gains.q);
+        let mut pace = self.walk.intensity(&seen, quiet, most, h);
         if ROLLS.contains(&(v.abs() / p.road.v_eps)) {
-            most
-        } else {
-            pace
+            pace = most;
         }
+        Walk::shares(pace, quiet, settings.encoder != [0.0; 4])
     }
 
     /// x̂⁺ with the parameters held, exactly; P⁺ with the motion linearised about x̂.
@@ -290,11 +290,12 @@ impl Calibrating {
         self.tracker.swing(p, &model, t_e, h);
         let gains = &settings.calibrating;
         let mut q = gains.intensities(&gains.start());
-        q[T_V] = self.pace(p, sample, gains.sensor, q[T_V], h);
+        [q[T_V], q[RATE]] = self.pace(p, settings, sample, h);
         self.tracker.noise(&model, hold, &mut q);
         let q = q * h;
         let belief = &mut self.tracker.belief;
         belief.x.fixed_rows_mut::<6>(0).copy_from(&motion.moved);
+        Walk::roll(belief, [T_V, RATE], h);
         belief.spread(&motion.rows, &q);
     }
 

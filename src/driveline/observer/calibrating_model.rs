@@ -1,10 +1,10 @@
 //! The driveline as `calibrating` sees it: the motion, and what every state does to it.
 //!
 //! ```text
-//! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v, β, δ, w, κ, γ, λ, ν)        torques in units of the reported T_e
+//! x = (ω_e, ω_o, ω_w, T_s, T_c1, T_c2, T_v, β, δ, w, κ, γ, λ, ν, r)     torques in units of the reported T_e
 //! J_ed (1+δ) ω_e' = T_e + β − T_c1 − T_c2                    J_out (1+λ) ω_o' = g1 T_c1 + g2 T_c2 − T_o + (1+λ) T_y
 //! J_v (1+ν) ω_w' = T_o − T_v − T_r(ω_w) − T_b                T_o = T_s + c (1+γ) (ω_o − ω_w)
-//! T_s' = k (1+κ) (ω_o − ω_w)
+//! T_s' = k (1+κ) (ω_o − ω_w)                                 T_v' = r,  r' = −r/τ_r (`walk.rs`)
 //! ```
 //!
 //! T_r is drag and rolling resistance of (11) on the level; T_v is what remains: the grade, and all errors. Dry rolling
@@ -22,7 +22,7 @@ use nalgebra::{SVector, Vector4, Vector5, Vector6};
 /// Number of parameters among the states: β, δ, w, κ, γ, λ, ν.
 pub const LEARNT: usize = 7;
 /// Number of states.
-pub const N: usize = SHARED + LEARNT;
+pub const N: usize = SHARED + LEARNT + 1;
 pub type Vector = SVector<f64, N>;
 
 /// Index of β [N·m]: offset of the engine torque.
@@ -39,6 +39,8 @@ pub const GAMMA: usize = 11;
 pub const LAMBDA: usize = 12;
 /// Index of ν [1]: error of J_v.
 pub const NU: usize = 13;
+/// Index of r [N·m/s]: rate of T_v.
+pub const RATE: usize = 14;
 
 /// A sample seen with the parameters of a state.
 #[derive(Debug, Clone, Copy)]
@@ -120,7 +122,7 @@ impl<'a> View<'a> {
         self.model.a() * x.fixed_rows::<4>(0) + self.model.b() * torques
     }
 
-    /// How all other states change the slope, shape (4, 14), of which the last 10 columns count.
+    /// How all other states change the slope, shape (4, 15), of which the last 11 columns count.
     ///
     /// `slope` and `twist` ω_o − ω_w: their means over the step, which makes Φ exact to h³.
     fn effects(&self, slope: &Vector4<f64>, twist: f64) -> Moving<N> {
@@ -194,6 +196,7 @@ mod tests {
     fn state() -> Vector {
         Vector::from([
             181.0, 9.5, 9.3, 700.0, 42.0, -11.0, 260.0, 1.5, -0.1, 0.01, 0.07, -0.15, 0.1, -0.1,
+            30.0,
         ])
     }
 

@@ -23,7 +23,6 @@
 //! is not known that part is all of it, as what looks like a twist may be its slip.
 
 use crate::Params;
-use crate::observer::filter::Belief;
 use crate::observer::friction::Friction;
 use crate::observer::grip::Hold;
 use crate::observer::lock::TIME;
@@ -59,7 +58,7 @@ impl<const N: usize> Tracker<N> {
             self.belief.x[W_E] += self.swings(p, sample);
             for (clutch, sign) in [(self.engaged, -1.0), (engaged, 1.0)] {
                 if let Some(i) = clutch {
-                    self.add(T_C + i, T_C + 1 - i, sign);
+                    self.belief.add(T_C + i, T_C + 1 - i, sign);
                 }
             }
             if engaged.is_none() {
@@ -84,18 +83,6 @@ impl<const N: usize> Tracker<N> {
             let (x, j_e) = (&self.belief.x, model.j_ed * p.j_e / p.j_ed());
             self.swing.step(p, j_e, [t_e, x[T_C] + x[T_C + 1]], h);
         }
-    }
-
-    /// State `to` becomes itself plus `factor` times state `from`.
-    fn add(&mut self, to: usize, from: usize, factor: f64) {
-        let Belief { x, p } = &mut self.belief;
-        x[to] += factor * x[from];
-        let row = p.row(from) * factor;
-        let mut into = p.row_mut(to);
-        into += row;
-        let column = p.column(from) * factor;
-        let mut into = p.column_mut(to);
-        into += column;
     }
 
     /// T_c of a slipping clutch moves with its force.

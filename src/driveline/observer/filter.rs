@@ -49,6 +49,18 @@ impl<const N: usize> Belief<N> {
         self.add_noise(q);
     }
 
+    /// State `to` becomes itself plus `factor` times state `from`.
+    pub fn add(&mut self, to: usize, from: usize, factor: f64) {
+        let Self { x, p } = self;
+        x[to] += factor * x[from];
+        let row = p.row(from) * factor;
+        let mut into = p.row_mut(to);
+        into += row;
+        let column = p.column(from) * factor;
+        let mut into = p.column_mut(to);
+        into += column;
+    }
+
     /// Half of the noise of a step, on the diagonal.
     fn add_noise(&mut self, q: &SVector<f64, N>) {
         for j in 0..N {

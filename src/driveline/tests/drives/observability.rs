@@ -64,10 +64,10 @@ fn left(from: f64, to: f64) -> [f64; 7] {
 }
 
 /// As uncertain of the parameters as at the start; speeds and torques are known.
-fn forget(observer: &mut Calibrating, start: &nalgebra::SMatrix<f64, 14, 14>) {
+fn forget(observer: &mut Calibrating, start: &nalgebra::SMatrix<f64, 15, 15>) {
     let p = &mut observer.tracker.belief.p;
-    for j in BETA..14 {
-        for k in 0..14 {
+    for j in (0..NAMES.len()).map(|k| BETA + k) {
+        for k in 0..p.ncols() {
             p[(j, k)] = start[(j, k)];
             p[(k, j)] = start[(k, j)];
         }
