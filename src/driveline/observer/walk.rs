@@ -24,9 +24,9 @@
 //!
 //! A load that jumps less follows less noise within τ_r, and one that has a rate keeps up with a ramp it has seen. What a T_v that
 //! follows noise takes back is what moved λ and γ: on creep with noise λ went from 0.03 to 0.06 (mean of 40 seeds, true 0) while
-//! its own deviation stayed at 0.077, whatever q_T was, and where it jumps by a tenth it stays below 0.02. A trend from T̂_v − T̄_v
+//! its own deviation stayed at 0.077, whatever q_T was, and where it jumps by a tenth it stays below 0.03. A trend from T̂_v − T̄_v
 //! in place of the state, T_v' = (T̂_v − T̄_v)/τ, takes T_c2 of kick-down from 4.9 to 9 % at most: T̄_v is known at the start,
-//! where T_v is not. Nor does it help to leave the rate out while the vehicle begins to roll (wet6_fade 2.4 → 3.0), or to bound q_v in it.
+//! where T_v is not. Nor does it help to leave the rate out while the vehicle begins to roll (wet6_fade 2.4 → 2.75), or to bound q_v in it.
 //! τ_r of 0.5 to 1 s and jumps of 0.4 to 0.6 do alike. The price is dry7 and its linings, 0.60 → 0.76 in the median, where T_v took
 //! what the model lacks; of all of it without noise nothing is left. Of counted speeds, whose noise is not white, there is no rate:
 //! 1024 ticks had T_o 2.3 → 2.8.
