@@ -3,7 +3,7 @@
 //!
 //! It does not stand in the FMUs: a comment that changes shall change none of their bytes.
 
-use crate::{Error, Result, library};
+use crate::{Error, Result, archive, library};
 use flate2::Crc;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -70,7 +70,7 @@ pub fn record(fmu: &Path, sources: u32) -> Result<()> {
         path: path.clone(),
         source: error.into(),
     })?;
-    fs::write(&path, text + "\n").map_err(failed(&path))
+    archive::write_whole(&path, (text + "\n").as_bytes())
 }
 
 /// The checksum of the sources of an FMU, where it is recorded beside it.

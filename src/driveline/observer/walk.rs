@@ -28,7 +28,7 @@
 //! in place of the state, T_v' = (T̂_v − T̄_v)/τ, takes T_c2 of kick-down from 4.9 to 9 % at most: T̄_v is known at the start,
 //! where T_v is not. Nor does it help to leave the rate out while the vehicle begins to roll (wet6_fade 2.4 → 2.75), or to bound q_v in it.
 //! τ_r of 0.5 to 1 s and jumps of 0.4 to 0.6 do alike. The price is dry7 and its linings, 0.60 → 0.76 in the median, where T_v took
-//! what the model lacks; of all of it without noise nothing is left. Of counted speeds, whose noise is not white, there is no rate:
+//! what the model lacks; without noise there is none. Of counted speeds, whose noise is not white, there is no rate:
 //! 1024 ticks had T_o 2.3 → 2.8.
 //!
 //! **Where it is wrong.** What is learnt late of the vehicle's mass, ν, moves T̂_v, and that is taken for motion: with linings

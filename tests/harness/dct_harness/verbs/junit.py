@@ -43,7 +43,7 @@ def write(path: Path, suite: str, cases: Sequence[Case]) -> None:
     root = ElementTree.Element("testsuites", counts)
     parent = ElementTree.SubElement(root, "testsuite", {"name": _clean(suite), **counts})
     for case in cases:
-        names = {"classname": _clean(case.group), "name": _clean(case.name), "time": "0"}
+        names = {"classname": _clean(case.group), "name": _clean(case.name)}
         element = ElementTree.SubElement(parent, "testcase", names)
         for kind, what, text in (("failure", "limit", case.failure), ("error", "run", case.error)):
             if text is not None:
