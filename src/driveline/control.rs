@@ -20,7 +20,7 @@
 //! ```
 
 use crate::kept::Kept;
-use crate::observer::lock;
+use crate::observer::{lock, within};
 use crate::params::ClutchParams;
 use nalgebra::ComplexField;
 
@@ -47,7 +47,7 @@ pub fn position(clutch: &ClutchParams, torque: f64, mu: f64) -> f64 {
 
 /// Follows `target` from `last` [m] no faster than `rate` [m/s] over `h` [s].
 pub fn limit_rate(last: f64, target: f64, rate: f64, h: f64) -> f64 {
-    target.clamp(last - rate * h, last + rate * h)
+    within(target, last - rate * h, last + rate * h)
 }
 
 /// Sign of a slip [rad/s]: 0 where the clutch may stick.
@@ -122,7 +122,7 @@ impl Servo {
     pub fn start(clutch: &ClutchParams, tuning: &Tuning, demand: &Demand) -> Self {
         let [low, high] = tuning.stroke;
         Self {
-            position: target(clutch, tuning, demand, 0.0).clamp(low, high),
+            position: within(target(clutch, tuning, demand, 0.0), low, high),
             trim: 0.0,
             mu: demand.mu,
         }
@@ -148,7 +148,8 @@ impl Servo {
         self.hand_over(demand.mu);
         let wanted = target(clutch, tuning, demand, self.trim);
         let [low, high] = tuning.stroke;
-        let reached = limit_rate(self.position, wanted, tuning.rate, h).clamp(low, high);
+        let reached = limit_rate(self.position, wanted, tuning.rate, h);
+        let reached = within(reached, low, high);
         let error = self.error(demand);
         let winds_up = (wanted - reached) * error > 0.0;
         self.position = reached;

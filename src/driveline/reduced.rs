@@ -154,11 +154,12 @@ pub struct Discrete {
     pub gamma_rise: SMatrix<f64, 3, 2>,
 }
 
-/// exp(M) by its series on M/2^n, squared n times.
+/// exp(M) by its series on M/2^n, squared n times; not finite where M is not.
 pub(crate) fn exponential<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     const REACH: f64 = 0.1; // REACH^10/10! < 1e-16
     let (mut scaled, mut squarings) = (*m, 0);
-    while scaled.amax() > REACH {
+    // A part of infinity is infinite.
+    while scaled.amax() > REACH && scaled.amax() < f64::INFINITY {
         scaled *= 0.5;
         squarings += 1;
     }
@@ -173,7 +174,7 @@ pub(crate) fn exponential<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64
 
 #[cfg(test)]
 mod tests {
-    use super::Reduced;
+    use super::{Reduced, exponential};
     use crate::Params;
     use nalgebra::{Matrix3, SMatrix, Vector2, Vector3};
 
@@ -256,6 +257,16 @@ mod tests {
                 (ours - reference).amax() < AGREEMENT * reference.amax(),
                 "{g:?} {h}"
             );
+        }
+    }
+
+    /// What a driveline without inertia would ask for: it must end, and nobody may take it for a motion.
+    #[test]
+    fn exponential_of_an_infinite_matrix_ends_and_is_not_finite() {
+        for entry in [f64::INFINITY, f64::NEG_INFINITY] {
+            let m = Matrix3::new(0.0, entry, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 2.0);
+            let found = exponential(&m);
+            assert!(found.iter().any(|entry| !entry.is_finite()), "{found}");
         }
     }
 

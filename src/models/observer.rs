@@ -179,3 +179,74 @@ impl Model for Observer {
         self.state.method = table::method(self.method);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Observer;
+    use fmi2_cosim::{Error, Instance, Log, Reference};
+
+    /// A method, and a number for a variable.
+    type Given = (Reference<Observer, f64>, f64);
+
+    /// Two clutches that slip, through two steps; `late` is set between them.
+    fn drive(method: i32, start: &[Given], late: &[Given]) -> Result<(), Error> {
+        let log = &mut Log::silent();
+        let mut observer = Instance::<Observer>::default();
+        observer.write(Reference::named("observer.method"), method)?;
+        for (name, value) in [
+            (Reference::named("engine.speed"), 200.0),
+            (Reference::named("clutch1.speed"), 180.0),
+            (Reference::named("clutch2.speed"), 115.0),
+            (Reference::named("wheel.speed"), 10.0),
+            (Reference::named("clutch1.position"), 5e-3),
+            (Reference::named("clutch2.position"), 5e-3),
+        ] {
+            observer.write(name, value)?;
+        }
+        start
+            .iter()
+            .try_for_each(|(name, value)| observer.write(*name, *value))?;
+        observer.setup_experiment(0.0, None)?;
+        observer.enter_initialization()?;
+        observer.exit_initialization(log)?;
+        observer.step(0.0, 1e-3, log)?;
+        late.iter()
+            .try_for_each(|(name, value)| observer.write(*name, *value))?;
+        observer.step(1e-3, 1e-3, log)
+    }
+
+    /// Within their limits parameters may still ask for accelerations beyond all numbers.
+    #[test]
+    fn a_step_ends_whatever_the_parameters() {
+        let hard = [
+            (Reference::named("output.inertia"), 1e-9),
+            (Reference::named("vehicle.wheelInertia"), 1e-9),
+        ];
+        for method in 1..=5 {
+            for damping in [1e303, 1e308] {
+                let mut start = hard.to_vec();
+                start.push((Reference::named("driveShaft.damping"), damping));
+                let _ = drive(method, &start, &[]); // refused or not: that it is back is what counts
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_beyond_all_numbers_is_refused_by_name() {
+        let pistons = [
+            (Reference::named("clutch1.pistonArea"), 1e300),
+            (Reference::named("clutch2.pistonArea"), 1e300),
+            // 1 is the largest friction there is: it leaves nothing to adapt.
+            (Reference::named("clutch1.nominalFriction"), 1.0),
+        ];
+        let pressed = [(Reference::named("clutch1.pressure"), 1e300)];
+        for method in 1..=5 {
+            assert!(drive(method, &pistons, &[]).is_ok(), "method {method}");
+            let refused = drive(method, &pistons, &pressed);
+            assert!(
+                matches!(refused, Err(Error::Model(_))),
+                "method {method}: {refused:?}"
+            );
+        }
+    }
+}

@@ -20,7 +20,7 @@ use crate::observer::monitor::Monitor;
 use crate::observer::phase::alone;
 use crate::observer::schedule::{lowest_ratios, radius};
 use crate::observer::standstill::held;
-use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
+use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate, within};
 use crate::reduced::{Discrete, Reduced};
 use nalgebra::{SMatrix, Vector2, Vector3};
 
@@ -278,7 +278,7 @@ impl Adaptive {
             let bound = |mu: f64| (mu - mu_n[i]) * f_n;
             let (low, high) = (bound(-Friction::PHYSICAL), bound(Friction::PHYSICAL));
             let free = self.epsilon[i] + h * by[i] * arm;
-            self.epsilon[i] = free.clamp(low, high);
+            self.epsilon[i] = within(free, low, high);
             bounded |= self.epsilon[i] != free;
         }
         self.saturated = if bounded { self.saturated + h } else { 0.0 };

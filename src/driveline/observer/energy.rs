@@ -57,7 +57,7 @@ use crate::observer::schedule::{followed, scaled};
 use crate::observer::speeds::output_speed;
 use crate::observer::standstill::held;
 use crate::observer::{
-    Estimate, Observer, Sample, Settings, Visit, brake, common_estimate, visit_switch,
+    Estimate, Observer, Sample, Settings, Visit, brake, common_estimate, visit_switch, within,
 };
 use nalgebra::Vector3;
 
@@ -296,7 +296,7 @@ impl Energy {
             let gain = followed(l_c, p, sample, i, h) / (w[i] * w[i] + LEVER * LEVER);
             let free = self.epsilon[i] - h * gain * w[i] * (omega_d - g[i] * e[1]);
             let mu_n = settings.mu_n[i];
-            self.epsilon[i] = free.clamp(-mu_n, Friction::PHYSICAL - mu_n);
+            self.epsilon[i] = within(free, -mu_n, Friction::PHYSICAL - mu_n);
             bounded |= self.epsilon[i] > Friction::PHYSICAL - mu_n - f64::EPSILON;
         }
         let saturated = self.monitor.saturated;
@@ -345,7 +345,7 @@ impl Energy {
             let carried = self.torques(settings, now)[i];
             let kinetic = self.friction.mu[i] * w[i].abs();
             let most = Friction::STATIC * kinetic;
-            self.x_hat[4] += carried.clamp(-most, most) - carried;
+            self.x_hat[4] += within(carried, -most, most) - carried;
             let handover = w[1 - i] != 0.0;
             if carried.abs() > if handover { kinetic } else { most } {
                 self.lock.let_go(i, carried);

@@ -17,7 +17,7 @@
 
 use crate::Params;
 use crate::observer::phase::pressed;
-use crate::observer::{Sample, Settings, Visit};
+use crate::observer::{Sample, Settings, Visit, within};
 use nalgebra::ComplexField;
 
 /// Time constant of the mean [s].
@@ -53,7 +53,7 @@ impl Heard {
         let least = (QUIET * believed).max(HELD * h).min(believed);
         let [speed, wheel] = self
             .variance
-            .map(|heard| ComplexField::sqrt(heard).clamp(least, believed));
+            .map(|heard| within(ComplexField::sqrt(heard), least, believed));
         if pressed(p, sample) == [true; 2] {
             return [believed, wheel];
         }

@@ -233,6 +233,18 @@ const fn lasting(time: f64) -> f64 {
     time - ROUNDING
 }
 
+/// `value` between `low` and `high`: as [`f64::clamp`], but bounds that are no numbers, or cross, bound nothing and end
+/// nothing. An infinite force makes such ones of a friction that is bounded to what it is.
+pub(crate) const fn within(value: f64, low: f64, high: f64) -> f64 {
+    if value < low {
+        low
+    } else if value > high {
+        high
+    } else {
+        value
+    }
+}
+
 /// Visits a switch of a state as 0 or 1.
 fn visit_switch(switch: &mut bool, visit: Visit<'_>) {
     let mut code = if *switch { 1.0 } else { 0.0 };

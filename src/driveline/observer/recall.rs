@@ -14,10 +14,10 @@
 //! move as before: where T_c moves as it is known to, ε̃' = −ε̂' of (29), which is what the proof of `lyapunov` needs.
 
 use crate::Params;
-use crate::observer::Sample;
 use crate::observer::adaptive::Adaptive;
 use crate::observer::friction::Friction;
 use crate::observer::lever::Lever;
+use crate::observer::{Sample, within};
 use nalgebra::Vector2;
 
 impl Adaptive {
@@ -119,7 +119,7 @@ impl Adaptive {
             } else {
                 Friction::PHYSICAL
             };
-            let kept = (torque / lever.arm).clamp(-mu * lever.f_n, mu * lever.f_n);
+            let kept = within(torque / lever.arm, -mu * lever.f_n, mu * lever.f_n);
             self.epsilon[i] = kept - mu_n * lever.f_n;
         }
     }
