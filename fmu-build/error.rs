@@ -96,6 +96,8 @@ pub enum Error {
     Write(quick_xml::SeError),
     /// A model description could not be read.
     Parse(quick_xml::DeError),
+    /// A modelIdentifier that is a path: as the name of a library it leads out of the FMU.
+    Identifier(String),
     /// `cargo build` of an FMU library failed; its output tells why.
     Cargo {
         /// The package.
@@ -266,6 +268,7 @@ impl fmt::Display for Error {
             Self::Untrusted { path, fault } => write!(f, "{}: {fault}", path.display()),
             Self::Write(source) => write!(f, "modelDescription.xml cannot be written: {source}"),
             Self::Parse(source) => write!(f, "modelDescription.xml cannot be read: {source}"),
+            Self::Identifier(name) => write!(f, "modelIdentifier {name:?} is a path"),
             Self::Cargo { package } => write!(f, "`cargo build --package {package}` failed"),
             Self::NoSources => write!(
                 f,

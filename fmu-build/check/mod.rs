@@ -264,6 +264,11 @@ fn described(folder: &Path) -> Result<Description> {
     parsed::parse(&text.unwrap_or_default())
 }
 
+/// Whether a text names a file, and does not lead to one elsewhere.
+fn is_file_name(text: &str) -> bool {
+    !text.contains(['/', '\\', ':'])
+}
+
 /// Where the library for the machine that runs this program should be.
 struct Library {
     member: String,
@@ -275,6 +280,9 @@ impl Library {
         let (platform, extension) = library::platform()?;
         let co_simulation = description.co_simulation.as_ref();
         let name = co_simulation.map_or("", |found| &found.model_identifier);
+        if !is_file_name(name) {
+            return Err(Error::Identifier(name.into()));
+        }
         let member = format!("binaries/{platform}/{name}.{extension}");
         let path = folder.join(&member);
         Ok(Self { member, path })
@@ -287,8 +295,11 @@ fn check_library(
     options: &Options,
     report: &mut Report,
 ) -> Result<()> {
-    if description.co_simulation.is_none() {
+    let Some(co_simulation) = &description.co_simulation else {
         return Ok(());
+    };
+    if !is_file_name(&co_simulation.model_identifier) {
+        return Ok(()); // was found to be no C identifier; what lies there is no part of the FMU
     }
     let Library { member, path } = Library::of_this_machine(description, folder)?;
     if !path.is_file() {
@@ -311,4 +322,47 @@ fn check_library(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::package;
+
+    /// A library of somebody else is neither loaded by a check nor by a replay.
+    #[test]
+    fn a_model_identifier_that_is_a_path_leads_nowhere() {
+        let path = |name: &str| {
+            std::env::temp_dir().join(format!("identifier-{}{name}", std::process::id()))
+        };
+        let (fmu, inputs, out) = (path(".fmu"), path("-in.csv"), path("-out.csv"));
+        fs::write(&inputs, "time\n0\n1\n").unwrap();
+        for name in ["../../libc", "/lib/libc", "..\\libc", "C:libc"] {
+            let xml = format!(
+                "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"A\" guid=\"g\">\
+                 <CoSimulation modelIdentifier=\"{name}\"/></fmiModelDescription>"
+            );
+            package(&fmu, vec![(DESCRIPTION.into(), xml.into_bytes())]).unwrap();
+            let said: Vec<_> = check(&fmu).unwrap().findings;
+            let said: Vec<_> = said.iter().map(|finding| finding.text.as_str()).collect();
+            assert_eq!(
+                said,
+                [format!("modelIdentifier {name:?} is no C identifier")]
+            );
+            let options = Replay {
+                inputs: &inputs,
+                step: 0.1,
+                every: 1,
+                out: &out,
+                calls: None,
+            };
+            let refused = replay(std::slice::from_ref(&fmu), &options).unwrap_err();
+            assert_eq!(
+                refused.to_string(),
+                format!("modelIdentifier {name:?} is a path")
+            );
+        }
+        fs::remove_file(fmu).unwrap();
+        fs::remove_file(inputs).unwrap();
+    }
 }
