@@ -17,8 +17,8 @@ pub mod plant;
 mod presets;
 mod presets_fade;
 pub mod reduced;
+mod road;
 mod rung;
-mod shaft;
 mod tanh;
 pub mod thermal;
 

@@ -91,7 +91,7 @@ use crate::plant::block::Block;
 use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Event, Load, Mode, ZERO_SLIP, project, resolve, stuck_set};
 pub use crate::plant::ports::{ClutchState, Input, InputRate, Output, Work};
-use crate::shaft::Grade;
+use crate::road::Grade;
 use crate::thermal::Thermal;
 
 /// Everything a run carries from one step to the next.

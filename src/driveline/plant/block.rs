@@ -20,7 +20,7 @@ use crate::plant::mesh::Meshes;
 use crate::plant::modes::{Crossing, Event, Guard, Mode, stuck_set};
 use crate::plant::ports::{Input, InputRate};
 use crate::plant::tie::share_guards;
-use crate::shaft::{Grade, LOAD_SETTLED};
+use crate::road::{Grade, LOAD_SETTLED};
 
 /// Index of T_v among the torques.
 pub(crate) const LOAD: usize = TORQUES - 1;

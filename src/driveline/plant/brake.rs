@@ -13,7 +13,7 @@ use crate::matrices::{State, W};
 use crate::plant::Plant;
 use crate::plant::modes::{CAPACITY_MARGIN, Event, Guard, Mode};
 use crate::plant::ports::{Input, InputRate};
-use crate::shaft::{Grade, sign};
+use crate::road::{Grade, sign};
 
 /// Wheel speed that counts as standstill [rad/s]: round-off of a held wheel.
 const STANDSTILL: f64 = 1e-12;
