@@ -156,6 +156,24 @@ mod tests {
         }
     }
 
+    /// Plants share what they find to be equal: one that took another map for its own would compute with it.
+    #[test]
+    fn maps_are_equal_where_all_their_bits_are() {
+        let map = ForceMap::CLUTCH_1;
+        assert!(map == map && map != ForceMap::CLUTCH_2);
+        for k in 0..MAP_POINTS {
+            let (mut position, mut force) = (map, map);
+            position.position[k] = position.position[k].next_up();
+            force.force[k] = force.force[k].next_up();
+            assert!(map != position && map != force, "point {k}");
+        }
+        let mut other = map;
+        other.force[0] = -0.0;
+        assert!(other != map && other == other);
+        other.force[0] = f64::NAN;
+        assert!(other == other, "it is found again");
+    }
+
     #[test]
     fn force_near_is_force_from_wherever_it_starts() {
         for map in MAPS {

@@ -70,3 +70,46 @@ impl Coupling {
         (self.jammed && self.ties(p)).then_some(Self { jammed, ..self })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Coupling;
+    use crate::Params;
+
+    #[test]
+    fn rigid_shafts_in_two_gears_of_two_ratios_tie_both_clutches() {
+        let mut p = Params::TABLE_1;
+        let [both, one] = [[1, 2], [1, 0]].map(Coupling::from);
+        assert!(!both.ties(&p), "compliant shafts give way");
+        p.rigid = true;
+        assert!(both.ties(&p) && !one.ties(&p));
+        let jammed = Coupling {
+            jammed: true,
+            ..both
+        };
+        assert_eq!((both.tied(&p), jammed.tied(&p)), (None, Some(both)));
+        let coming_in = Coupling {
+            synchronising: [false, true],
+            ..both
+        };
+        assert!(!coming_in.ties(&p), "its gear is not in yet");
+        (p.i_t[1], p.i_f[1]) = (p.i_t[0], p.i_f[0]);
+        assert!(!both.ties(&p), "one ratio turns as one");
+    }
+
+    #[test]
+    fn a_clutch_whose_shaft_is_synchronised_cannot_be_engaged() {
+        for (synchronising, engageable) in [
+            ([false, false], 0b11),
+            ([true, false], 0b10),
+            ([false, true], 0b01),
+            ([true, true], 0),
+        ] {
+            let coupling = Coupling {
+                synchronising,
+                ..Coupling::from([1, 2])
+            };
+            assert_eq!(coupling.engageable(0b11), engageable, "{synchronising:?}");
+        }
+    }
+}
