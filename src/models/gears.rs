@@ -1,6 +1,6 @@
 //! Rows of the two shafts with their gears, shared by every model that knows the vehicle.
 
-use crate::vehicle::{Vehicle, not_negative, positive};
+use crate::vehicle::{Vehicle, indexed, not_negative, positive};
 use dct_driveline::params::GEARS_PER_SHAFT;
 use fmi2_cosim::{Unit, Variable};
 
@@ -48,18 +48,8 @@ pub(crate) const fn shaft<M: Vehicle, const I: usize>() -> [Variable<M>; 4 + 2 *
 
 const fn ratio<M: Vehicle, const I: usize, const K: usize>() -> Variable<M> {
     let names = [
-        [
-            "shaft1.gearRatio[1]",
-            "shaft1.gearRatio[2]",
-            "shaft1.gearRatio[3]",
-            "shaft1.gearRatio[4]",
-        ],
-        [
-            "shaft2.gearRatio[1]",
-            "shaft2.gearRatio[2]",
-            "shaft2.gearRatio[3]",
-            "shaft2.gearRatio[4]",
-        ],
+        indexed!("shaft1.gearRatio": 1, 2, 3, 4),
+        indexed!("shaft2.gearRatio": 1, 2, 3, 4),
     ];
     let descriptions = [
         [
@@ -85,18 +75,8 @@ const fn ratio<M: Vehicle, const I: usize, const K: usize>() -> Variable<M> {
 
 const fn inertia<M: Vehicle, const I: usize, const K: usize>() -> Variable<M> {
     let names = [
-        [
-            "shaft1.gearInertia[1]",
-            "shaft1.gearInertia[2]",
-            "shaft1.gearInertia[3]",
-            "shaft1.gearInertia[4]",
-        ],
-        [
-            "shaft2.gearInertia[1]",
-            "shaft2.gearInertia[2]",
-            "shaft2.gearInertia[3]",
-            "shaft2.gearInertia[4]",
-        ],
+        indexed!("shaft1.gearInertia": 1, 2, 3, 4),
+        indexed!("shaft2.gearInertia": 1, 2, 3, 4),
     ];
     let descriptions = [
         [
