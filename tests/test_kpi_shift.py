@@ -45,8 +45,12 @@ def test_the_search_by_spectra_finds_what_all_shifts_one_by_one_do(seed: int) ->
     near = timing.nearest(truth, estimate, index, longest)
     assert np.argmin(costs) in near
     assert len(near) <= longest // 10 or np.ptp(costs) < SAME * max(costs)
+    if len(index) == count - longest:
+        assert (
+            timing.nearest(truth, estimate, slice(0, len(index)), longest).tolist() == near.tolist()
+        )
     best = int(np.argmin(costs))
-    found = timing.latency(truth, estimate, mask, STEP)
+    found = timing.latency(timing.Truth(truth), estimate, mask, STEP)
     if best in (0, longest):
         assert found == (None if best else 0.0)
     else:
@@ -109,6 +113,23 @@ def test_vibration_dose_of_a_sine_is_its_fourth_power_mean() -> None:
     weighted = amplitude * abs(filters.weighting_d(np.array([frequency]))[0])
     expected = weighted * (3 / 8 * TIME[-1]) ** 0.25  # mean of sin^4 is 3/8
     assert value(kpi.compute(run, {}), "shift.vibrationDose") == pytest.approx(expected, rel=5e-3)
+
+
+@pytest.mark.parametrize("count", [500, 1000, 3000])
+def test_the_weighting_of_a_short_run_is_that_of_the_start_of_a_long_one(count: int) -> None:
+    time = np.arange(20000) * 1e-3
+    values = np.exp(-time) * np.sin(2.6 * np.pi * time) + 0.5 * np.sin(3.0 * time)
+    long, short = (filters.weight_d(v, 1e-3) for v in (values, values[:count]))
+    # What the sampled band limit rings ahead of the cut at the end of the short one.
+    assert short == pytest.approx(long[:count], abs=2e-5 * np.abs(long).max())
+
+
+def test_settling_is_found_among_stretches_that_are_too_short() -> None:
+    near = np.array([1, 1, 0, 1, 0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 1], dtype=bool)
+    time = np.arange(len(near)) * registry.DWELL / 3
+    settled = timing.Settled(time, near)
+    assert [settled.after(k) for k in (0, 6, 10, 11, 12)] == [
+        time[10], time[10] - time[6], 0.0, 0.0, None]  # fmt: skip
 
 
 def test_dose_grows_with_time_to_the_quarter() -> None:

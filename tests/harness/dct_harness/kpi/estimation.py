@@ -47,21 +47,21 @@ def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
         if f"plant.{torque}" not in results:
             continue
         found = {e: results[p + torque] for e, p in known.items() if p + torque in results}
+        truth = results[f"plant.{torque}"]
+        whole, errors = rms(truth), {e: values - truth for e, values in found.items()}
         for scope, mask in masks(results, torque, phases).items():
-            yield from _scope(results[f"plant.{torque}"], found, torque, scope, mask)
+            inside = {e: error[mask] for e, error in errors.items()}
+            yield from _scope(whole, inside, torque, scope)
 
 
-def _scope(
-    truth: np.ndarray, found: dict[str, np.ndarray], torque: str, scope: str, mask: np.ndarray
-) -> Iterator[Row]:
-    whole = rms(truth)
+def _scope(whole: float, found: dict[str, np.ndarray], torque: str, scope: str) -> Iterator[Row]:
+    """Yield the errors within a scope; `whole`: RMS of the torque over the scenario."""
     errors = {}
-    for estimate, values in found.items():
-        error = (values - truth)[mask]
-        errors[estimate] = rms(error)
+    for estimate, difference in found.items():
+        errors[estimate] = rms(difference)
         percent = 100 * errors[estimate] / whole if whole > 0 else None
         yield Row(registry.RMSE, torque, scope, errors[estimate], estimate)
-        yield Row(registry.MAX_ABS, torque, scope, float(np.abs(error).max()), estimate)
+        yield Row(registry.MAX_ABS, torque, scope, float(np.abs(difference).max()), estimate)
         yield Row(registry.PERCENT, torque, scope, percent, estimate)
     for estimate, error in errors.items():
         if estimate != MAP and MAP in errors:

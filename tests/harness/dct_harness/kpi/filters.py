@@ -11,6 +11,7 @@ FILTER_REACH = 4.0  # standard deviations of the Gaussian kept: the tail left is
 # ISO 2631-1:1997, table A.1, horizontal weighting Wd: corner frequencies [Hz] and quality.
 WD_BAND = (0.4, 100.0)
 WD_TRANSITION = (2.0, 2.0, 0.63)
+WD_RINGS = 20.0  # s; exp(-2π 0.4 Hz t / √2), the slowest part of its response, is 4e-16 by then
 
 
 def low_pass(values: np.ndarray, step: float, cutoff: float) -> np.ndarray:
@@ -23,6 +24,11 @@ def low_pass(values: np.ndarray, step: float, cutoff: float) -> np.ndarray:
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
     padded = np.pad(values, reach, mode="edge")
     return np.convolve(padded, kernel / kernel.sum(), mode="valid")
+
+
+def power_of_two(least: int) -> int:
+    """Return the smallest power of two that is not below `least`, a good length of a spectrum."""
+    return 1 << (least - 1).bit_length()
 
 
 def weighting_d(frequency: np.ndarray) -> np.ndarray:
@@ -40,9 +46,10 @@ def weighting_d(frequency: np.ndarray) -> np.ndarray:
 def weight_d(values: np.ndarray, step: float) -> np.ndarray:
     """Return an acceleration weighted by Wd, from rest; `step` [s].
 
-    The response is applied to the spectrum of the signal padded with as many zeros.
+    The response is applied to the spectrum of the signal padded with zeros, for so long that none
+    of it comes round to the start, and to a power of two: other lengths may take 20 times as long.
     """
-    count = 2 * len(values)
+    count = power_of_two(len(values) + math.ceil(WD_RINGS / step))
     return np.fft.irfft(np.fft.rfft(values, count) * _response(count, step), count)[: len(values)]
 
 

@@ -16,6 +16,7 @@ from ..errors import ConfigError
 from ..results import Results
 
 SCENARIO = "scenario"
+Samples = np.ndarray | slice  # which ones: a mask of shape (n,), or all from one to another
 STATES = {1: "disengaged", 2: "slipping", 3: "engaged"}  # ClutchState of the plant
 CLUTCHES = ("clutch1", "clutch2")
 
@@ -77,9 +78,9 @@ def _phase(path: Path, line: int, row: dict[str, str]) -> Phase:
     return phase
 
 
-def phase_masks(time: np.ndarray, phases: list[Phase]) -> dict[str, np.ndarray]:
-    """Return scope name -> samples, shape (n,), for the scenario and each phase it reaches."""
-    masks = {SCENARIO: np.ones(len(time), dtype=bool)}
+def phase_masks(time: np.ndarray, phases: list[Phase]) -> dict[str, Samples]:
+    """Return scope name -> samples, for the scenario and each phase it reaches."""
+    masks: dict[str, Samples] = {SCENARIO: slice(None)}  # no copy is made of what it chooses
     for phase in phases:
         upper = time <= phase.end if phase.end >= time[-1] else time < phase.end
         inside = (time >= phase.start) & upper
@@ -88,7 +89,12 @@ def phase_masks(time: np.ndarray, phases: list[Phase]) -> dict[str, np.ndarray]:
     return masks
 
 
-def masks(results: Results, torque: str, phases: list[Phase] | None) -> dict[str, np.ndarray]:
+def before(mask: Samples, end: int) -> Samples:
+    """Return the samples of a mask, or of a slice of all, that lie before sample `end`."""
+    return slice(0, max(end, 0)) if isinstance(mask, slice) else np.flatnonzero(mask[: max(end, 0)])
+
+
+def masks(results: Results, torque: str, phases: list[Phase] | None) -> dict[str, Samples]:
     """Return scope name -> samples of a torque: the scenario, its phases, the clutch's states.
 
     `phases` None: the scenario alone.

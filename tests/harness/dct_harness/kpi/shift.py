@@ -10,7 +10,7 @@ from ..results import Results
 from . import registry
 from .filters import low_pass, weight_d
 from .rows import Row, rms
-from .scopes import CLUTCHES, Phase, clutch_state, phase_masks, states
+from .scopes import CLUTCHES, Phase, Samples, clutch_state, phase_masks, states
 
 ACCELERATION, SPEED = "plant.vehicle.acceleration", "plant.vehicle.speed"
 
@@ -64,12 +64,12 @@ def _motion(known: Container[str]) -> tuple[str, ...]:
     return next(((name,) for name in (ACCELERATION, SPEED) if name in known), ())
 
 
-def _doses(results: Results, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
+def _doses(results: Results, scopes: dict[str, Samples]) -> Iterator[Row]:
     """Yield the vibration dose value per scope."""
     values = acceleration(results)
     if values is None:
         return
-    dose = results.step * weight_d(values, results.step) ** 4
+    dose = results.step * np.square(np.square(weight_d(values, results.step)))
     for scope, mask in scopes.items():
         yield Row(registry.DOSE, "vehicle.acceleration", scope, float(dose[mask].sum() ** 0.25))
 
@@ -98,19 +98,25 @@ def _energy(clutch: str) -> str:
     return f"plant.{clutch}.frictionEnergy"
 
 
-def _friction(results: Results, clutch: str, scopes: dict[str, np.ndarray]) -> Iterator[Row]:
+def _friction(results: Results, clutch: str, scopes: dict[str, Samples]) -> Iterator[Row]:
     power = friction_power(results, clutch)
     if power is None or len(power) < 2:
         return
-    total = _energy(clutch)
-    pieces = np.diff(results.time) * (power[1:] + power[:-1]) / 2
-    energy = results[total] if total in results else np.concatenate([[0.0], np.cumsum(pieces)])
+    energy = _spent(results, clutch, power)
     for scope, mask in scopes.items():
-        first, last = np.flatnonzero(mask)[[0, -1]]
+        first, last = np.arange(len(power))[mask][[0, -1]]
         last = min(last + 1, len(energy) - 1)  # phases share their boundary sample
         spent = float(energy[last] - energy[first])
         yield Row(registry.FRICTION_ENERGY, clutch, scope, spent)
         yield Row(registry.FRICTION_PEAK, clutch, scope, float(power[mask].max()))
+
+
+def _spent(results: Results, clutch: str, power: np.ndarray) -> np.ndarray:
+    """Return the friction energy so far [J], shape (n,): told by the plant, else of its power."""
+    if _energy(clutch) in results:
+        return results[_energy(clutch)]
+    pieces = np.diff(results.time) * (power[1:] + power[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(pieces)])
 
 
 def _lock_ups(results: Results, clutch: str) -> Iterator[Row]:

@@ -11,8 +11,19 @@ from ..results import Results
 from . import registry
 from .estimation import MAP, TORQUES, estimates
 from .estimation import reads as torques_of
+from .filters import power_of_two
 from .rows import Row, rms
-from .scopes import CLUTCHES, SCENARIO, STATES, Phase, clutch_state, masks, states
+from .scopes import (
+    CLUTCHES,
+    SCENARIO,
+    STATES,
+    Phase,
+    Samples,
+    before,
+    clutch_state,
+    masks,
+    states,
+)
 
 ROUNDING = 64.0  # eps log2(n) times this is far above what a spectrum of n samples errs by
 
@@ -30,13 +41,20 @@ def rows(results: Results, phases: list[Phase] | None) -> Iterator[Row]:
     for torque in TORQUES:
         if f"plant.{torque}" not in results:
             continue
-        truth = results[f"plant.{torque}"]
+        truth = Truth(results[f"plant.{torque}"])
         scopes = masks(results, torque, phases)
         for name, prefix in observers.items():
             if prefix + torque in results:
                 told = Told(torque, name, results[prefix + torque])
                 yield from _latencies(results.step, truth, told, scopes)
                 yield from _settling(results.time, truth, told, moments)
+
+
+class Truth:
+    """A torque as it is: `values` of shape (n,), and their root mean square."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values, self.rms = values, rms(values)
 
 
 @dataclass(frozen=True)
@@ -48,57 +66,66 @@ class Told:
     values: np.ndarray
 
 
-def _latencies(
-    step: float, truth: np.ndarray, told: Told, scopes: dict[str, np.ndarray]
-) -> Iterator[Row]:
+def _latencies(step: float, truth: Truth, told: Told, scopes: dict[str, Samples]) -> Iterator[Row]:
     for scope, mask in scopes.items():
         late = latency(truth, told.values, mask, step)
         yield Row(registry.LATENCY, told.torque, scope, late, told.by)
 
 
-def latency(truth: np.ndarray, estimate: np.ndarray, mask: np.ndarray, step: float) -> float | None:
+def latency(truth: Truth, estimate: np.ndarray, mask: Samples, step: float) -> float | None:
     """Return the shift [s] that makes the estimate fit best; None where nothing can be told.
 
     The mean square of T̂(t + τ) − T(t) is taken at every whole step and its minimum refined by a
     parabola. It is undefined where T is nearly constant, or the minimum is at the longest shift.
     """
-    whole = rms(truth)
-    if len(truth) < 3 or not np.std(truth[mask]) > registry.LATENCY_VARIES * whole:
+    values = truth.values
+    if len(values) < 3 or not np.std(values[mask]) > registry.LATENCY_VARIES * truth.rms:
         return None
     longest = round(registry.LATENCY_LONGEST / step)
-    index = np.flatnonzero(mask)
-    index = index[index < len(truth) - longest]
-    if not len(index):
+    index = before(mask, len(values) - longest)
+    there = values[index]
+    if not len(there):
         return None
-    there = truth[index]
 
     def cost(shift: int) -> float:
-        return float(np.mean(np.square(estimate[index + shift] - there)))
+        return float(np.mean(np.square(estimate[shift:][index] - there)))
 
-    near = nearest(truth, estimate, index, longest)
+    near = nearest(values, estimate, index, longest)
     best = int(near[np.argmin([cost(k) for k in near.tolist()])])
     if best == longest:
         return None
     return step * (best + _vertex(*map(cost, range(best - 1, best + 2)))) if best else 0.0
 
 
-def nearest(truth: np.ndarray, estimate: np.ndarray, index: np.ndarray, longest: int) -> np.ndarray:
-    """Return the shifts up to `longest` among which the one of least cost must be, in order.
+def nearest(truth: np.ndarray, estimate: np.ndarray, index: Samples, longest: int) -> np.ndarray:
+    """Return the shifts τ up to `longest` among which the one of least cost must be, in order.
 
-    By spectra all costs follow at once: Σ (T̂(k + τ) − T(k))² = Σ T̂² − 2 Σ T̂ T + Σ T², sums over
-    the samples k of `index`. Rounding moves none by more than `doubt`, so no shift whose cost lies
-    more than twice that above the least is it.
+    The cost is Σ (T̂(k + τ) − T(k))² = Σ T̂² − 2 Σ T̂ T + Σ T², sums over the samples k of `index`.
+    Σ T̂ T follows for all shifts at once by spectra, Σ T̂² from one shift to the next by what enters
+    and leaves. Rounding moves no cost by more than `doubt`, so no shift whose cost lies more than
+    twice that above the least is it.
     """
-    count = 1 << (len(truth) - 1).bit_length()
-    inside = np.zeros(len(truth))
-    inside[index] = 1.0
-    weighted, squares = inside * truth, estimate**2
-    parts = [(inside, squares), (-2.0 * weighted, estimate)]
-    spectra = (np.conj(np.fft.rfft(a, count)) * np.fft.rfft(b, count) for a, b in parts)
-    costs = np.fft.irfft(sum(spectra), count)[: longest + 1]
-    size = sum(_norm(a) * _norm(b) for a, b in parts) + float(np.sum(weighted * truth))
-    doubt = ROUNDING * np.finfo(float).eps * count.bit_length() * size
+    count = power_of_two(len(truth))
+    weighted, squares = np.zeros(len(truth)), np.square(estimate)
+    weighted[index] = truth[index]
+    product = np.fft.irfft(np.conj(np.fft.rfft(weighted, count)) * np.fft.rfft(estimate, count),
+                           count)[: longest + 1]  # fmt: skip
+    change, stretches = np.zeros(longest), _stretches(index)
+    for start, end in stretches:
+        change += squares[end : end + longest] - squares[start : start + longest]
+    costs = np.concatenate([[0.0], np.cumsum(change)]) - 2.0 * product
+    size = _norm(weighted) * (2.0 * _norm(estimate) + _norm(weighted))
+    added = (longest + len(stretches)) * float(np.sum(squares))
+    doubt = np.finfo(float).eps * (ROUNDING * count.bit_length() * size + 2.0 * added)
     return np.flatnonzero(~(costs > costs.min() + 2 * doubt))
+
+
+def _stretches(index: Samples) -> list[tuple[int, int]]:
+    """Return the first sample of each stretch without a gap, and the one after its last."""
+    if isinstance(index, slice):
+        return [(index.start, index.stop)]
+    parts = np.split(index, np.flatnonzero(np.diff(index) > 1) + 1)
+    return [(int(part[0]), int(part[-1]) + 1) for part in parts]
 
 
 def _norm(values: np.ndarray) -> float:
@@ -124,14 +151,14 @@ def events(results: Results) -> list[tuple[int, str]]:
 
 
 def _settling(
-    time: np.ndarray, truth: np.ndarray, told: Told, moments: list[tuple[int, str]]
+    time: np.ndarray, truth: Truth, told: Told, moments: list[tuple[int, str]]
 ) -> Iterator[Row]:
     """Yield the settling time after each event, and the longest of them."""
-    inside = np.abs(told.values - truth) <= registry.SETTLED * rms(truth)
+    settled = Settled(time, np.abs(told.values - truth.values) <= registry.SETTLED * truth.rms)
     found: list[float | None] = []
     for count, (k, name) in enumerate(moments, 1):
         if time[-1] - time[k] >= registry.DWELL:
-            found.append(settling(time[k:], inside[k:]))
+            found.append(settled.after(k))
             scope = f"event/{count} {name}"
             yield Row(registry.SETTLING, told.torque, scope, found[-1], told.by)
     if found:
@@ -140,12 +167,26 @@ def _settling(
         yield Row(registry.SETTLING, told.torque, SCENARIO, longest, told.by)
 
 
-def settling(time: np.ndarray, inside: np.ndarray) -> float | None:
-    """Return the time [s] until `inside` first holds for the dwell time; None if it never does."""
-    leaves = np.concatenate([np.flatnonzero(~inside), [len(time)]])
-    starts = np.concatenate([[0], leaves[:-1] + 1])
-    ends = np.maximum(leaves - 1, 0)
-    dwells = (leaves > starts) & (time[ends] - time[np.minimum(starts, ends)] >= registry.DWELL)
-    if not dwells.any():
-        return None
-    return float(time[starts[np.argmax(dwells)]] - time[0])
+class Settled:
+    """When an estimate is near the truth and stays so for the dwell time."""
+
+    def __init__(self, time: np.ndarray, inside: np.ndarray) -> None:
+        """`inside`: whether it is near, shape (n,)."""
+        self._time = time
+        leaves = np.concatenate([np.flatnonzero(~inside), [len(time)]])
+        starts = np.concatenate([[0], leaves[:-1] + 1])
+        there = leaves > starts
+        self._starts, self._lasts = starts[there], leaves[there] - 1  # of stretches inside
+        long = time[self._lasts] - time[self._starts] >= registry.DWELL
+        self._long = self._starts[long]
+
+    def after(self, k: int) -> float | None:
+        """Return the time [s] from sample `k` until it first holds; None if it never does."""
+        part = int(np.searchsorted(self._lasts, k))
+        around = part < len(self._lasts) and self._starts[part] <= k
+        if around and self._time[self._lasts[part]] - self._time[k] >= registry.DWELL:
+            return 0.0
+        later = int(np.searchsorted(self._long, k))
+        if later == len(self._long):
+            return None
+        return float(self._time[self._long[later]] - self._time[k])
