@@ -51,6 +51,7 @@ def others(made: Loops) -> list[Gate]:
     """ecos, dask, and the compiled master from Python."""
     ecos, ours = np.median(made.in_ecos, axis=0) / made.steps * 1e6
     (dask, run), (dask_all, run_all) = made.sweeps
+    row, loop = np.median(made.rows_of_a_sweep, axis=0) * 1e3
     python, alone = np.median(made.bulk, axis=0) / made.steps * 1e6
     return [
         Gate("ecos / compiled master", ecos / ours, 9.0, at_least=True,
@@ -59,6 +60,8 @@ def others(made: Loops) -> list[Gate]:
              beside=f"CPU time {dask_all:.3g} / {run_all:.3g} s per run, {SWEPT} runs on dask"),
         Gate("the same with the signals of KPIs", dask / run, None,
              beside=f"CPU time {dask:.3g} / {run:.3g} s per run, which a sweep records"),
+        Gate("run of a sweep / its compiled loop", row / loop, 1.5,
+             beside=f"CPU time {row:.3g} / {loop:.3g} ms; the rest is the plan, KPIs and the row"),
         Gate("compiled, from Python / without", python / alone, 1.25,
              beside=f"{python:.3g} / {alone:.3g} us per step"),
     ]  # fmt: skip

@@ -8,6 +8,7 @@ others keep every signal of each step, in memory that the process has had before
 
 from __future__ import annotations
 
+import itertools
 import json
 import resource
 import sys
@@ -25,6 +26,9 @@ import numpy as np
 from dct_harness import kpi
 from dct_harness.master.master import Run
 from dct_harness.master.native import NativeRun
+from dct_harness.sweep.cases import Job
+from dct_harness.sweep.runs import Prepared, Setup
+from dct_harness.sweep.store import Store
 from dct_harness.system import system
 from measure import ROOT, WORK
 from measure import run as measured
@@ -265,6 +269,28 @@ class Loops:
     def _swept(self, plan: str) -> float:
         _, *native = [self.native(MANY, 2, plan) for _ in range(4)]
         return float(np.median(native))
+
+    @cached_property
+    def rows_of_a_sweep(self) -> np.ndarray:
+        """CPU time of a run of `dct-harness sweep`, and of its loop alone [s], shape (rounds, 2).
+
+        A run is whole, from what is chosen for it to its row in the store; FMUs are open.
+        """
+        words = ("run", LOOP, "--fmu-dir", FMUS, "--engine", "native",
+                 "--stop", repr(self.model.stop))  # fmt: skip
+        folder = WORK / "sweep"
+        prepared, store = Prepared(Setup(words, folder)), Store(folder, {}, resume=False)
+        numbers = itertools.count(1)
+
+        def runs() -> None:
+            for number in itertools.islice(numbers, BULK):
+                drawn = 0.01 + 1e-5 * number
+                job = Job(number, {"x": drawn}, (), (f"plant.vehicle.rollingResistance={drawn}",))
+                store.add(prepared.run_one(job))
+
+        runs()  # opens the FMUs
+        return np.array([(_cpu(runs) / BULK, self.native(BULK, 1, self.judged))
+                         for _ in range(self.rounds)])  # fmt: skip
 
     def fmpy(self) -> float:
         """Return the CPU time of the loop on fmpy [s]."""

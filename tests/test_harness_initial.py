@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dct_harness import graph, results
-from dct_harness.master.initial import Initialization, Member
+from dct_harness.master.initial import Initialization, Member, edges
 from dct_harness.system.transforms import Conversion
 from harness_fixture.lag_fmu import run, variable, write_fmu
 
@@ -93,7 +93,8 @@ def test_a_chain_in_the_wrong_order_is_passed_once() -> None:
         convert = Conversion(f"c{k}", ["u"], {})
         adder = _Adder(values, world[k : k + 1])
         members[f"c{k}"] = Member(adder, np.array([k + 1]), values, convert)
-    Initialization(members, sources, world).settle()
+    levels = graph.levels(edges({name: m.fmu for name, m in members.items()}, sources))
+    Initialization(members, levels, world).settle()
     assert world.tolist() == list(range(count, 0, -1))
     assert [m.fmu.count for m in members.values()] == [1] * (count - 1) + [0]
 

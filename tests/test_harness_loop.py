@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from dct_harness import results
 from dct_harness.errors import instant
-from dct_harness.master import master
+from dct_harness.master import wiring
 from harness_fixture.lag_fmu import (
     LIMIT,
     environment,
@@ -136,5 +136,5 @@ def test_bar_on_a_terminal_is_gone_before_the_error(lag_dir: Path, tmp_path: Pat
 
 
 def test_last_step_is_shortened_and_times_do_not_accumulate() -> None:
-    assert master.communication_points(0.1, 0.35).tolist() == [0.0, 0.1, 0.2, 0.1 * 3, 0.35]
-    assert len(master.communication_points(0.001, 30.0)) == 30001
+    assert wiring.communication_points(0.1, 0.35).tolist() == [0.0, 0.1, 0.2, 0.1 * 3, 0.35]
+    assert len(wiring.communication_points(0.001, 30.0)) == 30001

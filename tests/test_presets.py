@@ -25,7 +25,7 @@ def test_an_fmu_takes_every_value_of_a_parameter_file(path: Path) -> None:
     fmu = Fmu(component, FMUS / f"{MODELS[component]}.fmu")
     try:
         fmu.initialize(1.0, values)
-        found = fmu.parameters()
+        found = fmu.parameters(fmu.read_parameters())
     finally:
         fmu.close()
     assert {name: found[name]["value"] for name in values} == values
@@ -36,7 +36,7 @@ def test_the_paper_preset_is_where_the_plant_starts() -> None:
     fmu = Fmu("plant", FMUS / "DctPlant.fmu")
     try:
         fmu.initialize(1.0, {})
-        found = fmu.parameters()
+        found = fmu.parameters(fmu.read_parameters())
     finally:
         fmu.close()
     values = parameters.read(SETS / "paper_plant.ssv")

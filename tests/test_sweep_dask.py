@@ -11,11 +11,10 @@ from pathlib import Path
 
 import pytest
 from dct_harness.errors import ConfigError, FmuRuntimeError, HarnessError
-from dct_harness.sweep import on_dask
 from dct_harness.sweep.bundle import BLOBS, Bundle
 from dct_harness.sweep.cases import Job
 from dct_harness.sweep.on_dask import HERE, RUN, SCRATCH, cluster
-from dct_harness.sweep.runs import Row, Setup, run_one
+from dct_harness.sweep.runs import Prepared, Row, Setup
 from distributed import LocalCluster, get_worker
 from harness_fixture.lag_fmu import harness, write_system
 
@@ -60,8 +59,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_leaves_nothing(
     monkeypatch.setenv("TMPDIR", str(temporary))
     monkeypatch.setattr("tempfile.tempdir", str(temporary))
     system = write_system(tmp_path, "0.3")
-    jobs = [Job(k, {"plant.tau": 1.0 + k}, ("--set", f"plant.tau={1.0 + k}"))
-            for k in range(RUNS)]  # fmt: skip
+    jobs = [Job(k, {"plant.tau": 1.0 + k}, (), (f"plant.tau={1.0 + k}",)) for k in range(RUNS)]
     slow = ("--set", "plant.delay=0.001")  # so that a run is met before its end
     setup = Setup(("run", system, "--fmu-dir", lag_dir, *slow), tmp_path / "out")
     files = [system, tmp_path / "s.csv", lag_dir / "Lag.fmu"]
@@ -77,7 +75,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_leaves_nothing(
             found.append(row)
     assert sorted(row["run"] for row in found) == list(range(RUNS))
     assert {row["verdict"] for row in found} == {"not judged"}
-    alone = run_one(setup, jobs[3])
+    alone = Prepared(setup).run_one(jobs[3])
     assert next(row for row in found if row["run"] == 3) == alone
     assert not [*tmp_path.rglob("dct-harness-*"), *tmp_path.rglob(SCRATCH)]
 
@@ -129,14 +127,14 @@ def test_a_run_that_fails_is_tried_again_on_another_worker(
     """One of three workers is broken: it fails whatever it gets, no run meets it twice."""
     made: dict[int, list[str]] = {}
 
-    def broken(setup: Setup, job: Job) -> tuple[Row, HarnessError | None]:
+    def broken(_: Prepared, job: Job, **__: object) -> tuple[Row, HarnessError | None]:
         worker = get_worker().address
         made.setdefault(job.number, []).append(worker)
         bad = worker == workers[0]
         row = {"run": job.number, "verdict": "exit 4" if bad else "not judged"}
         return row, FmuRuntimeError("broken") if bad else None
 
-    monkeypatch.setattr(on_dask, "attempt", broken)
+    monkeypatch.setattr(Prepared, "attempt", broken)
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     jobs = [Job(k, {}, ()) for k in range(3 * RUNS)]

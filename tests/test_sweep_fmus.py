@@ -14,7 +14,7 @@ from dct_harness.fmu.archive import unpack
 from dct_harness.fmu.kept import Kept
 from dct_harness.sweep import runs
 from dct_harness.sweep.cases import Job
-from dct_harness.sweep.runs import Row, Setup, run_one
+from dct_harness.sweep.runs import Row, Setup
 from harness_fixture.lag_fmu import harness, write_system
 
 LOOP = "examples/closed_loop/torque_tracking_case1.toml"
@@ -38,8 +38,9 @@ def unpacked(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 def rows(folder: Path, engine: str, fmus: Path) -> list[Row]:
     """Return the rows of runs that differ in the vehicle's mass."""
     common = ("run", Path(LOOP), "--engine", engine, "--fmu-dir", fmus, "--stop", "3")
-    jobs = [Job(k, {}, ("--set", f"plant.vehicle.mass={m}")) for k, m in enumerate(MASSES)]
-    return [run_one(Setup((*common, "--step", "0.005"), folder), job) for job in jobs]
+    prepared = runs.Prepared(Setup((*common, "--step", "0.005"), folder))
+    jobs = [Job(k, {}, (), (f"plant.vehicle.mass={m}",)) for k, m in enumerate(MASSES)]
+    return [prepared.run_one(job) for job in jobs]
 
 
 @pytest.mark.parametrize("engine", ["fmpy", "native"])
@@ -86,9 +87,9 @@ def test_fmus_with_resources_and_of_others_are_opened_every_time(
     rows(tmp_path, "fmpy", fmus)
     assert [path.name for path in unpacked[3:]] == ["DctObserver.fmu"]
     unpacked.clear()
-    lag = Setup(("run", write_system(tmp_path), "--fmu-dir", lag_dir), tmp_path)
+    lag = runs.Prepared(Setup(("run", write_system(tmp_path), "--fmu-dir", lag_dir), tmp_path))
     for number in range(2):
-        run_one(lag, Job(number, {}))
+        lag.run_one(Job(number, {}))
     assert len(unpacked) == 2
 
 
@@ -98,7 +99,7 @@ def test_a_run_that_fails_leaves_no_fmu_behind(
     monkeypatch.chdir(repo_root)
     common = ("run", Path(LOOP), "--stop", "1", "--set", "plant.vehicle.mass=-1.0")
     with pytest.raises(ConfigError, match="is refused"):
-        run_one(Setup(common, tmp_path), Job(1, {}))
+        runs.Prepared(Setup(common, tmp_path)).run_one(Job(1, {}))
     count = len(unpacked)
     rows(tmp_path, "fmpy", Path("target/fmu"))
     assert len(unpacked) == count + 3

@@ -17,10 +17,12 @@ import pytest
 from dct_harness import kpi, results
 from dct_harness.fmu.archive import DESCRIPTION
 from dct_harness.fmu.ports import OURS
+from dct_harness.master import wiring
 from dct_harness.master.native import NativeRun
+from dct_harness.master.wiring import wire
 from dct_harness.results import Results
 from dct_harness.sweep.cases import Job
-from dct_harness.sweep.runs import COURSES, Setup, attempt, run_one
+from dct_harness.sweep.runs import COURSES, Prepared, Setup
 from dct_harness.verbs import run as run_verb
 from harness_fixture.lag_fmu import write_fmu, write_system
 
@@ -88,10 +90,10 @@ def _claim(path: Path) -> None:
             archive.writestr(name, content)
 
 
-def setup(folder: Path, system: str | Path, *words: str | Path, **more: Any) -> Setup:
-    """Return the set-up of a sweep of one system."""
+def prepared(folder: Path, system: str | Path, *words: str | Path, **more: Any) -> Prepared:
+    """Return who makes runs of a sweep of one system."""
     common = ("run", Path(system), "--engine", "native", *words)
-    return Setup(common, folder, **more)
+    return Prepared(Setup(common, folder, **more))
 
 
 @pytest.mark.parametrize(("system", "words", "globs"), [
@@ -109,14 +111,36 @@ def test_the_row_is_that_of_a_run_that_records_everything(
 ) -> None:  # fmt: skip
     monkeypatch.chdir(repo_root)
     given = [word.format(fmus=own) for word in words]
-    told = setup(tmp_path, system, *given, signals=globs)
-    (few, none), (all_, nothing) = (attempt(told, Job(1, {}), whole) for whole in (False, True))
+    told = prepared(tmp_path, system, *given, signals=globs)
+    (few, none), (all_, nothing) = (told.attempt(Job(1, {}), whole) for whole in (False, True))
     assert (none, nothing) == (None, None), few
     assert json.dumps(few) == json.dumps(all_)
     assert COURSES in few or not globs
     (signals, recorded), (same, everything) = counts
     assert recorded < signals == same == everything
     assert recorded < signals / 2 or globs
+
+
+def test_runs_are_not_taken_for_earlier_ones(
+    tmp_path: Path, own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What stays from run to run is wired anew for other inputs, scenarios and options."""
+    made: list[Any] = []
+    monkeypatch.setattr(wiring, "wire", lambda *of: made.append(wire(*of)) or made[-1])
+    other = tmp_path / "other.csv"
+    other.write_text("time,u\n0,2\n1,7\n")
+    of = (tmp_path, write_system(tmp_path), "--fmu-dir", own)
+    jobs = [
+        Job(1, {}, (), ("plant.tau=0.5",)), Job(1, {}, (), ("plant.tau=0.9",)),
+        Job(1, {}, (), ("plant.tau=0.5", "plant.u=1.5")), Job(1, {}, ("--scenario", other)),
+        Job(1, {}, ("--stop", "0.4")), Job(1, {}, (), ("plant.tau=0.5",)),
+    ]  # fmt: skip
+    whole = prepared(*of, signals=("*",))
+    rows = [json.dumps(whole.attempt(job)[0]) for job in jobs]
+    assert len(made) == 5  # the second run is like the first one
+    assert rows == [json.dumps(prepared(*of, signals=("*",)).attempt(job)[0]) for job in jobs]
+    assert len(set(rows)) == 5
+    assert rows[0] == rows[-1]
 
 
 def test_limits_on_a_part_are_judged_alike(
@@ -127,8 +151,8 @@ def test_limits_on_a_part_are_judged_alike(
     for word in ("scenarios/", "parameters/"):
         text = text.replace(f'"{word}', f'"{repo_root / LOOPS / word}/')
     (tmp_path / "s.toml").write_text(text + ON_A_SHIFT)
-    told = setup(tmp_path, tmp_path / "s.toml", "--stop", "12")
-    few, all_ = (attempt(told, Job(1, {}), whole)[0] for whole in (False, True))
+    told = prepared(tmp_path, tmp_path / "s.toml", "--stop", "12")
+    few, all_ = (told.attempt(Job(1, {}), whole)[0] for whole in (False, True))
     assert json.dumps(few) == json.dumps(all_)
     assert few["verdict"] == "pass"
     assert counts[0][1] < counts[0][0]
@@ -175,8 +199,8 @@ def test_a_run_that_fails_is_made_again_and_keeps_all_signals(
     tmp_path: Path, own: Path, counts: list[tuple[int, int]], retries: int
 ) -> None:
     words = ("--fmu-dir", own, "--set", "plant.failAt=0.25")
-    told = setup(tmp_path, write_system(tmp_path), *words, retries=retries)
-    row = run_one(told, Job(1, {}))
+    told = prepared(tmp_path, write_system(tmp_path), *words, retries=retries)
+    row = told.run_one(Job(1, {}))
     assert row["verdict"] == "exit 4"
     assert counts == [(2, 0), *[(2, 2)] * max(1, retries)]
     kept = results.load(tmp_path / "run-0001")
@@ -188,8 +212,8 @@ def test_a_run_of_a_foreign_fmu_that_fails_keeps_all_signals_too(
     tmp_path: Path, lag_dir: Path, counts: list[tuple[int, int]]
 ) -> None:
     words = ("--fmu-dir", lag_dir, "--set", "plant.failAt=0.25")
-    told = setup(tmp_path, write_system(tmp_path), *words)
-    assert run_one(told, Job(1, {}))["verdict"] == "exit 4"
+    told = prepared(tmp_path, write_system(tmp_path), *words)
+    assert told.run_one(Job(1, {}))["verdict"] == "exit 4"
     assert counts == [(2, 0), (2, 2)]
     assert list(results.load(tmp_path / "run-0001").signals) == ["time", "scenario.u", "plant.x"]
 
@@ -198,7 +222,7 @@ def test_an_output_that_no_row_needs_and_is_no_number_fails_the_run(
     tmp_path: Path, own: Path, counts: list[tuple[int, int]]
 ) -> None:
     words = ("--fmu-dir", own, "--set", "plant.nanAt=0.3")
-    row = run_one(setup(tmp_path, write_system(tmp_path), *words), Job(1, {}))
+    row = prepared(tmp_path, write_system(tmp_path), *words).run_one(Job(1, {}))
     assert (row["verdict"], counts) == ("exit 4", [(2, 0), (2, 2)])
     assert row["error"] == "plant.x is NaN at t = 0.301 s: no finite number"
     assert len(results.load(tmp_path / "run-0001").time) == 301

@@ -143,13 +143,19 @@ class Fmu(Told):
         self._call("fmi2ExitInitializationMode", self._slave.exitInitializationMode)
         self._stepping = True
 
-    def parameters(self) -> dict[str, dict[str, Any]]:
-        """Return value and unit of every parameter, after initialisation."""
-        found: dict[str, dict[str, Any]] = {}
+    def read_parameters(self) -> single.Read:
+        """Return every parameter with its value, after initialisation."""
+        found: single.Read = []
         variables = self.description.modelVariables
-        self._call("fmi2Get (parameters)",
-                   lambda: found.update(single.parameters(self._slave, variables)))  # fmt: skip
+        self._call(
+            "fmi2Get (parameters)",
+            lambda: found.extend(single.read_parameters(self._slave, variables)),
+        )
         return found
+
+    def parameters(self, read: single.Read) -> dict[str, dict[str, Any]]:
+        """Return value and unit of parameters that were read, by name."""
+        return single.described(read, self.description.modelVariables)
 
     def _set_start(self, name: str, value: Any) -> None:
         value = self.check_start(name, value)

@@ -6,6 +6,7 @@ from typing import Any
 
 from ..errors import ConfigError, did_you_mean
 
+Read = list[tuple[Any, Any]]  # variables and their values
 KINDS = {"Real": float, "Integer": int, "Boolean": bool, "String": str}
 
 
@@ -56,17 +57,23 @@ def _number(component: str, variable: Any, item: str) -> int:
     return known[item]
 
 
-def parameters(slave: Any, variables: list[Any]) -> dict[str, dict[str, Any]]:
-    """Return value and unit of every parameter of an initialised FMU, by name.
+def read_parameters(slave: Any, variables: list[Any]) -> Read:
+    """Return every parameter of an initialised FMU with its value."""
+    told = [v for v in variables if v.causality in ("parameter", "calculatedParameter")]
+    found: Read = []
+    for group in KINDS:
+        chosen = [v for v in told if group_of(v) == group]
+        values = getattr(slave, f"get{group}")([v.valueReference for v in chosen]) if chosen else []
+        found += zip(chosen, values, strict=True)
+    return found
+
+
+def described(read: Read, variables: list[Any]) -> dict[str, dict[str, Any]]:
+    """Return value and unit of parameters by name, in the order of the variables.
 
     Enumerations have their `item` too. Values are in the unit given, which is SI for these FMUs.
     """
-    found: dict[str, dict[str, Any]] = {}
-    for group in KINDS:
-        chosen = [v for v in variables if v.causality in ("parameter", "calculatedParameter")
-                  and group_of(v) == group]  # fmt: skip
-        values = getattr(slave, f"get{group}")([v.valueReference for v in chosen]) if chosen else []
-        found |= {v.name: _described(v, x) for v, x in zip(chosen, values, strict=True)}
+    found = {v.name: _described(v, value) for v, value in read}
     return {v.name: found[v.name] for v in variables if v.name in found}
 
 

@@ -125,7 +125,7 @@ def _place(system: System, target: str) -> str:
 
 
 def transforms(
-    system: System, fmus: dict[str, Fmu | Mapped], sources: dict[str, str]
+    system: System, fmus: Mapping[str, Fmu | Mapped], sources: dict[str, str]
 ) -> dict[str, Transform]:
     """Return what a value needs on its way to each input that takes it in another unit.
 
@@ -149,7 +149,7 @@ def transforms(
     return found
 
 
-def _unit(fmus: dict[str, Fmu | Mapped], end: str) -> Unit | None:
+def _unit(fmus: Mapping[str, Fmu | Mapped], end: str) -> Unit | None:
     component, _, name = end.partition(".")
     return fmus[component].unit(name)
 

@@ -6,12 +6,12 @@ on it in initialisation mode (InitialUnknowns of the description, else Outputs).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .. import graph
 from ..errors import FmuRuntimeError
 from ..system.transforms import Conversion
 
@@ -36,10 +36,10 @@ class Initialization:
     """Settles the initial values of connected components in initialisation mode."""
 
     def __init__(
-        self, members: dict[str, Member], sources: dict[str, str], world: np.ndarray
+        self, members: dict[str, Member], levels: list[list[list[str]]], world: np.ndarray
     ) -> None:
-        self._members, self._world = members, world
-        self._edges = _edges(members, sources)
+        """`levels`: those of the graph of `edges`."""
+        self._members, self._world, self._levels = members, world, levels
         self._place = {f"{n}.{v.name}": (n, k) for n, m in members.items()
                        for k, v in enumerate(m.fmu.inputs)}  # fmt: skip
 
@@ -54,7 +54,7 @@ class Initialization:
         for member in self._members.values():
             member.values[:] = [_start(v) for v in member.fmu.inputs]
             member.fmu.get_outputs()
-        for level in graph.levels(self._edges):
+        for level in self._levels:
             single = [part[0] for part in level if len(part) == 1]
             self._pass(single)
             for part in level:
@@ -121,19 +121,19 @@ class Initialization:
                          for m, k in ((self._members[n], k) for n, k in places)])  # fmt: skip
 
 
-def _edges(members: dict[str, Member], sources: dict[str, str]) -> dict[str, set[str]]:
+def edges(fmus: Mapping[str, Any], sources: dict[str, str]) -> dict[str, set[str]]:
     """Return signal -> signals that depend on it, of inputs and of outputs that feed one."""
-    edges: dict[str, set[str]] = {target: set() for target in sources}
+    found: dict[str, set[str]] = {target: set() for target in sources}
     for target, source in sources.items():
         if not source.startswith("scenario."):
-            edges.setdefault(source, set()).add(target)
-    for name, member in members.items():
+            found.setdefault(source, set()).add(target)
+    for name, fmu in fmus.items():
         taken = {target.partition(".")[2] for target in sources if target.startswith(f"{name}.")}
-        for output, inputs in member.fmu.feedthrough(initial=True).items():
-            if f"{name}.{output}" in edges:
+        for output, inputs in fmu.feedthrough(initial=True).items():
+            if f"{name}.{output}" in found:
                 for variable in taken & inputs:
-                    edges[f"{name}.{variable}"].add(f"{name}.{output}")
-    return edges
+                    found[f"{name}.{variable}"].add(f"{name}.{output}")
+    return found
 
 
 def _start(variable: Any) -> float:

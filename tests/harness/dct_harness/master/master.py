@@ -14,48 +14,21 @@ from ..errors import ConfigError, FmuRuntimeError, HarnessError, instant
 from ..fmu.fmu import Fmu
 from ..fmu.isolated import Limits, load
 from ..fmu.kept import Kept
+from ..fmu.values import Read
 from ..supplier.mapped import Mapped, apply_shared
 from ..supplier.mapping import Mapping
-from ..system import scenario as scenarios
 from ..system.system import System
 from ..system.transforms import Transform
 from . import doubts
-from .connections import check_types, held, resolve, transforms, types
 from .coupling import algebraic_loops, delayed, ranges
 from .initial import Initialization, Member
 from .interpolation import Interpolation
 from .noise import Noise
 from .signals import describe
+from .wiring import Wiring, Wirings
 
 Wanted = Callable[[tuple[str, ...]], Collection[str]]  # of the names of all signals those to record
-STEP_TOLERANCE = 1e-9  # relative; a stop this close to a multiple of the step is one
-
-
 SCENARIO, BUILD = "scenario", "build"  # categories of what is said of them
-MOST_STEPS = 1e8  # of a run; its times alone take 0.8 GB
-
-
-def communication_points(step: float, stop: float) -> np.ndarray:
-    """Return k * step [s] up to `stop`; the last step is shorter when stop is no multiple.
-
-    Raises
-    ------
-    ConfigError
-        A time is not finite or not above 0, or there are too many steps.
-    """
-    sound = 0 < step < math.inf and 0 < stop < math.inf
-    if not sound or not stop / step <= MOST_STEPS:
-        raise ConfigError(
-            f"step = {step:g} s and stop = {stop:g} s: both must be above 0 and finite, "
-            f"with at most {MOST_STEPS:g} steps"
-        )
-    count = stop / step
-    whole = round(count)
-    if abs(count - whole) > STEP_TOLERANCE * max(1.0, count):
-        whole = math.ceil(count)
-    times = np.arange(whole + 1) * step
-    times[-1] = stop
-    return times
 
 
 class Run:
@@ -75,13 +48,12 @@ class Run:
         self.fmus: dict[str, Fmu | Mapped] = {}
         self.identities: dict[str, dict[str, str]] = {}
         self.discrete: set[str] = set()
-        self.parameters: dict[str, dict[str, dict[str, Any]]] = {}
+        self._parameters: dict[str, Read] = {}
         self.sources: dict[str, str] = {}
         self.transforms: dict[str, Transform] = {}
-        self.signals: dict[str, dict[str, Any]] = {}
-        self.loops: list[list[str]] = []
         self.times = np.zeros(0)
-        self.beyond: list[tuple[float, str]] = []  # the rows of the scenario
+        self.wirings = Wirings()  # of runs that differ in values only
+        self._wiring: Wiring | None = None
         self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
         self.at_work = True  # an FMU may be within a call
@@ -96,8 +68,7 @@ class Run:
                 stack.callback(self.fmus[name].close)
             self._map()
             self.identities = {name: fmu.identity() for name, fmu in self.fmus.items()}
-            self._wire()
-            self._initialize()
+            self._initialize(self._wire().levels)
             self._loop(progress)
 
     def _load(self, name: str, path: Path) -> Fmu:
@@ -130,38 +101,34 @@ class Run:
         given = {n: c.parameters for n, c in self.system.components.items()}
         apply_shared(self.mapping, plant, self.fmus, given)
 
-    def _wire(self) -> None:
-        """Lay out scenario signals and outputs in one vector, and where each input reads it."""
-        script = scenarios.load(self.system.scenario)
-        for fmu in self.fmus.values():
-            fmu.steer(script.signals)
-        self.times = communication_points(self.system.step, self.system.stop)
-        self.beyond = script.beyond(self.system.stop)
-        self.sources = resolve(self.system, self.fmus, list(script.signals))
-        check_types(self.system, self.fmus, self.sources, script)
-        self.transforms = transforms(self.system, self.fmus, self.sources)
-        typed = types(self.fmus)
-        still = held(self.fmus, self.sources)
-        used = [s for s in script.signals if f"scenario.{s}" in self.sources.values()]
-        self.beyond += doubts.of(script, used, self.system.stop)
-        self.names = [f"scenario.{s}" for s in used]
-        outputs = [f"{n}.{v.name}" for n, f in self.fmus.items() for v in f.outputs]
-        self.noise = Noise(self.system, self.sources, {n: typed[n] for n in outputs})
-        columns = [script.sample(s, self.times, f"scenario.{s}" in still) for s in used]
-        columns += list(self.noise.samples(len(self.times)).T)
-        self.script = np.array(columns).T.reshape(len(self.times), len(columns))
-        self.names += [*self.noise.columns, *outputs]
+    def _wire(self) -> Wiring:
+        """Lay out scenario signals, noise and outputs in one vector, and where inputs read it."""
+        wired = self._wiring = self.wirings.of(self.system, self.fmus)
+        self.times, self.sources, self.transforms = wired.times, wired.sources, wired.transforms
+        outputs = wired.outputs
+        self.noise = Noise(self.system, self.sources, {n: wired.types[n] for n in outputs})
+        self.script = wired.script
+        if self.noise.names:
+            self.script = np.hstack([self.script, self.noise.samples(len(self.times))])
+        self.names = [*(f"scenario.{s}" for s in wired.used), *self.noise.columns, *outputs]
         self.kept = self.names
-        self.loops = algebraic_loops(self.fmus, self.sources)
         self._jacobi = self.system.coupling == "jacobi"
-        read = {**self.sources, **dict(zip(self.noise.names, self.noise.columns, strict=True))}
-        self.signals = describe(self.names, self.fmus, read, self.transforms)
-        self.discrete = {n for n in self.names if typed.get(n) == "Integer"}
+        self.discrete = {n for n in self.names if wired.types.get(n) == "Integer"}
         self.world, self._zeros = np.zeros((2, len(self.names)))
-        self._scripted = self.world[: len(columns)]
+        self._scripted = self.world[: self.script.shape[1]]
+        self._make_room()
+        return wired
+
+    @property
+    def spacing(self) -> float | None:
+        """Step between most communication points [s]; None of a run that was not wired."""
+        return None if self._wiring is None else self._wiring.spacing
+
+    def _make_room(self) -> None:
+        """Find memory for all samples."""
         self._samples = np.zeros((len(self.times), len(self.names)))
 
-    def _initialize(self) -> None:
+    def _initialize(self, levels: list[list[list[str]]]) -> None:
         """Start all FMUs and pass initial values on, each after those that it depends on."""
         index = {name: k for k, name in enumerate(self.names)}
         members: dict[str, Member] = {}
@@ -180,14 +147,14 @@ class Run:
         self._members = list(members.values())
         self._interpolation = None
         self._scripted[:] = self.script[0]
-        Initialization(members, self.sources, self.world).settle()
+        Initialization(members, levels, self.world).settle()
         if self.system.interpolate:
             count = self.script.shape[1]
             self._interpolation = Interpolation(members, self.world, count)
         for name, fmu in self.fmus.items():
             fmu.exit_initialization()
             fmu.get_outputs()
-            self.parameters[name] = fmu.parameters()
+            self._parameters[name] = fmu.read_parameters()
         self._record(0)
 
     def _loop(self, progress: Callable[[int, int], None] | None) -> None:
@@ -285,27 +252,42 @@ class Run:
         """Return the content of `run.json`, without the environment."""
         log = [m for f in self.fmus.values() for m in f.log] + self._out_of_range()
         log += [{"component": "scenario", "time": t, "status": "Warning", "category": SCENARIO,
-                 "message": text} for t, text in self.beyond]  # fmt: skip
+                 "message": text} for t, text in self._doubts()]  # fmt: skip
         if self.outdated:
             log.append({"component": "fmus", "time": 0.0, "status": "Warning", "category": BUILD,
                         "message": self.outdated})  # fmt: skip
+        parameters = {name: self.fmus[name].parameters(r) for name, r in self._parameters.items()}
         return {
             "system": self.system.as_dict(), "step": self.system.step, "stop": self.system.stop,
             "samples": len(self.rows),
             "reached": float(self.times[len(self.rows) - 1]) if len(self.rows) else None,
             "status": "partial" if error else "complete", "error": str(error) if error else None,
-            "fmus": self.identities, "parameters": self.parameters, "events": self.events(),
-            "signals": {n: s for n, s in self.signals.items() if n in ("time", *self.kept)},
+            "fmus": self.identities, "parameters": parameters, "events": self.events(),
+            "signals": self._signals(),
             "coupling": {
-                "order": self.system.coupling, "loops": self.loops,
+                "order": self.system.coupling, "loops": algebraic_loops(self.fmus, self.sources),
                 "delayed": delayed(list(self.fmus), self.sources, self.system.coupling),
             },
-            "wiring": self._wiring(),
+            "wiring": self._connections(),
             "log": sorted(log, key=lambda m: m["time"]),
             "wall_time": {n: f.wall_time for n, f in self.fmus.items()},
         }  # fmt: skip
 
-    def _wiring(self) -> list[dict[str, Any]]:
+    def _signals(self) -> dict[str, dict[str, Any]]:
+        """Return unit and type of the recorded signals; none of a run that was not wired."""
+        if self._wiring is None:
+            return {}
+        read = {**self.sources, **dict(zip(self.noise.names, self.noise.columns, strict=True))}
+        return describe(self.kept, self.fmus, read, self.transforms)
+
+    def _doubts(self) -> list[tuple[float, str]]:
+        """Return since when [s] something is odd about the scenario, and what."""
+        if self._wiring is None:
+            return []
+        script, stop = self._wiring.scenario, self.system.stop
+        return [*script.beyond(stop), *doubts.of(script, self._wiring.used, stop)]
+
+    def _connections(self) -> list[dict[str, Any]]:
         """Return source and target of each input, and what changes a value on its way."""
         return [{"from": s, "to": t, **self.transforms.get(t, Transform()).as_dict()}
                 for t, s in self.sources.items()]  # fmt: skip

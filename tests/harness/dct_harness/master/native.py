@@ -16,7 +16,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -74,8 +74,7 @@ class NativeRun(Run):
         """Make all rows; those before a failure are kept."""
         inner = (f.inner if isinstance(f, Mapped) else f for f in self.fmus.values())
         foreign = any(isinstance(fmu, Isolated) for fmu in inner)
-        if self.wanted is not None:
-            self._narrow(self.wanted(tuple(self.names)))
+        self._make_all_room()
         plan = json.dumps(self._plan())
         last = len(self.times) - 1
 
@@ -86,7 +85,6 @@ class NativeRun(Run):
                 self.rows = _good(self._samples)
             return self.abort is not None
 
-        self._samples[1:] = np.nan
         if foreign:
             rows, error, self._said = self._apart(plan, ended)
         else:
@@ -115,12 +113,18 @@ class NativeRun(Run):
             kept.compiled = files, compiled().Fmus(kept.folder)
         yield kept.compiled[1]
 
-    def _narrow(self, wanted: Collection[str]) -> None:
-        """Record some signals only, in the order of all."""
-        places = [k for k, name in enumerate(self.names) if name in wanted]
-        self.kept = [self.names[k] for k in places]
-        first = self._samples[0, places]
-        self._samples = np.empty((len(self.times), len(places)))
+    def _make_room(self) -> None:
+        """Find memory for the first sample."""
+        self._samples = np.zeros((1, len(self.names)))
+
+    def _make_all_room(self) -> None:
+        """Find memory for all samples, of the wanted signals in the order of all."""
+        first = self._samples[0]
+        if self.wanted is not None:
+            wanted = self.wanted(tuple(self.names))
+            places = [k for k, name in enumerate(self.names) if name in wanted]
+            self.kept, first = [self.names[k] for k in places], first[places]
+        self._samples = np.full((len(self.times), len(first)), np.nan)
         self._samples[0] = first
         self.rows = self._samples[:1]
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..contract import plant as plant_contract
 from ..errors import ConfigError, FmuRuntimeError, did_you_mean, instant
 from ..fmu.fmu import Fmu
-from ..fmu.values import group_of
+from ..fmu.values import Read, group_of
 from ..units import Unit
 from .links import Link, Linker, Translation
 from .mapping import Entry, Mapping, theirs
@@ -231,9 +231,9 @@ class Mapped:
                 f"add it to {self._mapping.path}"
             ) from error
 
-    def parameters(self) -> dict[str, dict[str, Any]]:
+    def parameters(self, read: Read) -> dict[str, dict[str, Any]]:
         """Return the supplier's parameters as they are, and the mapped ones as ours in SI."""
-        raw = self._fmu.parameters()
+        raw = self._fmu.parameters(read)
         mapped = {n: k for n, k in self._set.items() if k.theirs.name in raw}
         return {
             **{n: {"value": k.to_ours(raw[k.theirs.name]["value"]), "unit": self._units[n]}

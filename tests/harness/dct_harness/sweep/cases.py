@@ -15,15 +15,25 @@ from ..system.system import NOISE, Value
 from ..verbs import selection
 from .sampling import Factor
 from .study import Study, Words
-from .study_file import setting
+from .study_file import assignment
 
 
 class Job(NamedTuple):
-    """One run: its number, what was chosen for it, and the words after those of all runs."""
+    """One run: its number, what was chosen for it, and how it differs from other runs.
+
+    `shared`: words that runs of the same combination of axes have, too; `sets`: its own values, as
+    `component.variable=value`.
+    """
 
     number: int
     chosen: dict[str, Value]
-    words: Words = ()
+    shared: Words = ()
+    sets: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> Words:
+        """Its words after those of all runs."""
+        return (*self.shared, *(word for text in self.sets for word in ("--set", text)))
 
 
 def jobs(study: Study) -> list[Job]:
@@ -39,8 +49,8 @@ def jobs(study: Study) -> list[Job]:
     for labels, words in study.combinations():
         base = bases(study, words)
         for point in points:
-            own = [w for f in study.factors for w in _set(f, point[f.name], base)]
-            found.append(Job(len(found) + 1, {**point, **labels}, (*words, *own)))
+            own = [text for f in study.factors for text in _set(f, point[f.name], base)]
+            found.append(Job(len(found) + 1, {**point, **labels}, words, tuple(own)))
     return found
 
 
@@ -50,11 +60,11 @@ def command(study: Study, job: Job) -> str:
 
 
 def _set(factor: Factor, value: Value, base: dict[str, float]) -> list[str]:
-    """Return the words that give a factor's parameters their values."""
+    """Return what gives a factor's parameters their values, as `component.variable=value`."""
     found = []
     for target in factor.parameters:
         told = value * base[target] if factor.relative else value  # type: ignore[operator]
-        found += setting(target, _whole(told) if factor.whole else told)
+        found.append(assignment(target, _whole(told) if factor.whole else told))
     return found
 
 

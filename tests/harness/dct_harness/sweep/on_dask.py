@@ -24,12 +24,13 @@ from typing import Any
 from ..errors import ConfigError
 from .bundle import Bundle
 from .cases import Job
-from .runs import Row, Setup, attempt, may_mend
+from .runs import Prepared, Row, Setup, may_mend
 from .workers import LOST, TRIES, Rows
 
 HERE = "local"  # in place of an address: a cluster of this machine
 GRACE = "30 s"  # to find the scheduler
 RUN = "dct-harness-sweep-"  # what folders of a run begin with
+READY: dict[Setup, Prepared] = {}  # of a worker's process
 SCRATCH = "dask-scratch"  # in the folder of the sweep: folders of the workers of this machine
 
 
@@ -116,6 +117,17 @@ def _apart(
     os.environ["TMPDIR"] = tempfile.tempdir = own
     root = bundle.unpack(Path(own), blobs)
     with tempfile.TemporaryDirectory(prefix=f"{RUN}{os.getpid()}-") as out:
-        there = replace(setup, common=bundle.moved(setup.common, root), folder=Path(out))
-        row, error = attempt(there, job._replace(words=bundle.moved(job.words, root)))
+        there = replace(setup, common=bundle.moved(setup.common, root), folder=Path(own))
+        moved = job._replace(shared=bundle.moved(job.shared, root))
+        row, error = _prepared(there).attempt(moved, folder=Path(out))
     return row, may_mend(error), worker.address
+
+
+def _prepared(setup: Setup) -> Prepared:
+    """Return what this process has ready for the runs of a sweep; of the last sweep only."""
+    found = READY.get(setup)
+    if found is None:
+        found = Prepared(setup)
+        READY.clear()
+        READY[setup] = found
+    return found

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass
 from fnmatch import fnmatch
-from functools import cache, lru_cache, partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .. import results
 from ..errors import (
     ConfigError,
     FmuRuntimeError,
@@ -23,6 +24,7 @@ from ..fmu.kept import Kept
 from ..kpi.scopes import SCENARIO
 from ..results import Results
 from ..verbs import run as run_verb
+from . import memory
 from .cases import Job
 from .study import Words
 
@@ -44,18 +46,75 @@ class Setup:
     retries: int = 0
 
 
-def run_one(setup: Setup, job: Job) -> Row:
-    """Run until it succeeds or its retries are used up; returns the last row.
+class Prepared:
+    """Makes the runs of a sweep in one process, with what it has ready for them.
 
-    The first try records what its row needs, the others everything; where there is no other, one
-    is made to keep all signals of a run that fails.
+    What the runs of a combination of axes share (system, mapping, wiring, scenario) is read for the
+    first of them and stays for the others. It is empty when it is sent to another process.
     """
-    row, error = attempt(setup, job)
-    left = setup.retries
-    while may_mend(error) and (left or (error and error.in_part)):
-        row, error = attempt(setup, job, whole=True)
-        left = max(0, left - 1)
-    return row
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup
+        self._asked: tuple[Words, run_verb.Asked] | None = None  # of the last combination
+
+    def run_one(self, job: Job) -> Row:
+        """Run until it succeeds or its retries are used up; returns the last row.
+
+        The first try records what its row needs, the others everything; where there is no other,
+        one is made to keep all signals of a run that fails.
+        """
+        row, error = self.attempt(job)
+        left = self._setup.retries
+        while may_mend(error) and (left or (error and error.in_part)):
+            row, error = self.attempt(job, whole=True)
+            left = max(0, left - 1)
+        return row
+
+    def attempt(
+        self, job: Job, whole: bool = False, folder: Path | None = None
+    ) -> tuple[Row, HarnessError | None]:
+        """Run once; returns the row and what prevented the run's end.
+
+        `whole`: all signals are recorded, not only those that the row needs; `folder`: of kept
+        runs, instead of the sweep's.
+
+        The row has the chosen values, the verdict and the KPIs of the whole scenario. A run that
+        fails does not end the sweep: its verdict is its exit code's name, and `error` says why.
+        """
+        try:
+            return self._done(job, whole, folder or self._setup.folder), None
+        except (ConfigError, InterruptedRunError):
+            raise
+        except HarnessError as error:
+            row = {"run": job.number, **job.chosen, "verdict": f"exit {error.exit_code}",
+                   "error": str(error)}  # fmt: skip
+            return row, error
+
+    def _done(self, job: Job, whole: bool, folder: Path) -> Row:
+        """Return the row of a run that reaches its end."""
+        setup, asked = self._setup, self._combination(job.shared)
+        loop = asked.loop(job.sets)
+        loop.kept_open = KEPT
+        needed = None if whole else partial(_matching, setup.signals)
+        out = folder / f"run-{job.number:04d}"
+        told, kpis = run_verb.judged(loop, out, asked.args, setup.keep, needed)
+        values = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
+                  for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
+        courses = _courses(told, setup.signals, setup.every)
+        more = {COURSES: courses} if courses else {}
+        return {"run": job.number, **job.chosen, "verdict": kpis["verdict"], **values, **more}
+
+    def _combination(self, shared: Words) -> run_verb.Asked:
+        """Return what runs of a combination ask for; an opened .ssp goes with its run."""
+        if self._asked is not None and self._asked[0] == shared:
+            return self._asked[1]
+        memory.keep()
+        words = map(str, (*self._setup.common, *shared, "-q"))
+        asked = run_verb.Asked(parser().parse_args(list(words)))
+        results.check_writable(self._setup.folder)
+        if asked.package is None:
+            self._asked = shared, asked
+        return asked
 
 
 def may_mend(error: HarnessError | None) -> bool:
@@ -63,43 +122,11 @@ def may_mend(error: HarnessError | None) -> bool:
     return type(error) in REPEATED
 
 
-def attempt(setup: Setup, job: Job, whole: bool = False) -> tuple[Row, HarnessError | None]:
-    """Run once; returns the row and what prevented the run's end.
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    from ..cli import parser as made
 
-    `whole`: all signals are recorded, not only those that the row needs.
-
-    The row has the chosen values, the verdict and the KPIs of the whole scenario. A run that fails
-    does not end the sweep: its verdict is its exit code's name, and `error` says why.
-    """
-    try:
-        return _done(setup, job, whole), None
-    except (ConfigError, InterruptedRunError):
-        raise
-    except HarnessError as error:
-        row = {"run": job.number, **job.chosen, "verdict": f"exit {error.exit_code}",
-               "error": str(error)}  # fmt: skip
-        return row, error
-
-
-def _done(setup: Setup, job: Job, whole: bool) -> Row:
-    """Return the row of a run that reaches its end."""
-    out = setup.folder / f"run-{job.number:04d}"
-    words = [*map(str, (*setup.common, *job.words)), "--out", str(out), "-q"]
-    needed = None if whole else partial(_matching, setup.signals)
-    told, kpis = run_verb.judged(_parser().parse_args(words), setup.keep, needed, KEPT)
-    values = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
-             for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
-    courses = _courses(told, setup.signals, setup.every)
-    more = {COURSES: courses} if courses else {}
-    return {"run": job.number, **job.chosen, "verdict": kpis["verdict"], **values, **more}
-
-
-@cache
-def _parser() -> argparse.ArgumentParser:
-    """Return the command line's parser, which takes as long to make as a run's words to parse."""
-    from ..cli import parser
-
-    return parser()
+    return made()
 
 
 def _courses(told: Results, globs: tuple[str, ...], every: float) -> dict[str, Any]:

@@ -74,7 +74,8 @@ class Store:
         """Write a file whole, or not at all."""
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(".part")
-        self._arrow[1].write_table(table, part)
+        # What Parquet can find out of a column is worth nothing for so few values.
+        self._arrow[1].write_table(table, part, use_dictionary=False, write_statistics=False)
         os.replace(part, path)
 
 

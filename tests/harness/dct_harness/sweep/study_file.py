@@ -93,8 +93,13 @@ def _settings(document: tomlfile.Document) -> Words:
 
 
 def setting(name: str, value: Any) -> list[str]:
-    """Return the words that set a parameter; numbers keep every digit."""
-    return ["--set", f"{name}={json.dumps(value)}"]
+    """Return the words that set a parameter."""
+    return ["--set", assignment(name, value)]
+
+
+def assignment(name: str, value: Any) -> str:
+    """Return what follows `--set`; numbers keep every digit."""
+    return f"{name}={json.dumps(value)}"
 
 
 def _scenarios(document: tomlfile.Document) -> Axis | None:

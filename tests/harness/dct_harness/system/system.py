@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,13 @@ class System:
     files: list[Path] = field(default_factory=list)  # parameter files that it names
     noise: dict[str, float] = field(default_factory=dict)  # output -> standard deviation
     seed: int = 0  # of the noise
+
+    def copy(self) -> System:
+        """Return a system whose values can be overridden without changing those of this one."""
+        components = {n: replace(c, parameters=dict(c.parameters))
+                      for n, c in self.components.items()}  # fmt: skip
+        return replace(self, components=components, overridden=set(self.overridden),
+                       noise=dict(self.noise))  # fmt: skip
 
     def at(self, *keys: str | int) -> str:
         """Return `file:line:column` of a key, or of the nearest one above it."""

@@ -5,18 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from .. import formats, kpi, results
 from ..errors import HarnessError, instant
 from ..fmu import sources
-from ..fmu.kept import Kept
 from ..master import check_step, watch
 from ..master.master import BUILD, SCENARIO, Run, Wanted
 from ..master.native import NativeRun
+from ..master.wiring import Wirings
 from ..ssp import calibration
 from . import junit, progress, selection
 from .arguments import Verbs, add_limits, add_loudness, amount, limits, seconds, verb
@@ -69,7 +68,9 @@ def run(args: argparse.Namespace) -> int:
         The run did not reach its end; the samples until then are written.
     """
     with junit.prevented(args.junit, args.system.stem):
-        loop, out = _prepare(args)
+        loop = Asked(args).loop()
+        out = args.out or Path("target/results") / loop.system.name
+        results.check_writable(out)
     loop.outdated = sources.remark(loop.paths.values())
     try:
         return _run(loop, out, args)
@@ -95,21 +96,38 @@ def _run(loop: Run, out: Path, args: argparse.Namespace) -> int:
     return KPI_FAILS if kpis and kpis["verdict"] == "fail" else 0
 
 
+class Asked:
+    """What a command line asks to run, once or with other values each time."""
+
+    def __init__(self, args: argparse.Namespace) -> None:
+        formats.require(Path(f"results.{args.format}"))
+        self.args = args
+        self._model, self._paths, self._names, self.package = selection.choose(args)
+        self._wirings = Wirings()
+
+    def loop(self, sets: Iterable[str] = ()) -> Run:
+        """Return a run; `sets`: `component.variable=value` of this run alone."""
+        model = self._model.copy()
+        for text in sets:
+            model.override(text)
+        loop = ENGINES[self.args.engine](model, self._paths, self._names, limits(self.args))
+        loop.package, loop.wirings = self.package, self._wirings
+        return loop
+
+
 def judged(
-    args: argparse.Namespace, keep: bool, chosen: Wanted | None = None, fmus: Kept | None = None
+    loop: Run, out: Path, args: argparse.Namespace, keep: bool, chosen: Wanted | None = None
 ) -> tuple[results.Results, dict[str, Any]]:
-    """Return signals and KPIs of a run; only one that fails, or is to `keep`, is written.
+    """Return signals and KPIs of a run; only one that fails, or is to `keep`, is written to `out`.
 
     `chosen`: which of its signals the caller needs besides those that the KPIs are of; an engine
-    may then leave out the others. `fmus`: FMUs that stay open from run to run.
+    may then leave out the others.
 
     Raises
     ------
     HarnessError
         The run did not reach its end; `in_part`: not all of its signals are there to be looked at.
     """
-    loop, out = _prepare(args)
-    loop.kept_open = fmus
     brief = {"system": loop.system.as_dict(), "status": "complete"}
     if chosen is not None and not keep:
         loop.wanted = lambda names: {*chosen(names), *kpi.reads(names, brief)}
@@ -123,23 +141,12 @@ def judged(
         if keep:
             return results.from_table(*loop.table(), record, out), _judge(loop, record, out)
         unkept = frozenset(loop.names).difference(loop.kept)
-        signals = dict(zip(loop.kept, np.ascontiguousarray(loop.rows.T), strict=True))
-        told = results.Results({"time": loop.times, **signals}, brief, out, unkept)
+        signals = dict(zip(loop.kept, results.columns(loop.rows), strict=True))
+        told = results.Results({"time": loop.times, **signals}, brief, out, unkept, loop.spacing)
         return told, kpi.compute(told, brief, whole=True)
     finally:
         if loop.package is not None:
             loop.package.folder.cleanup()
-
-
-def _prepare(args: argparse.Namespace) -> tuple[Run, Path]:
-    """Return the run that the command line asks for, and its result directory."""
-    formats.require(Path(f"results.{args.format}"))
-    model, paths, names, package = selection.choose(args)
-    loop = ENGINES[args.engine](model, paths, names, limits(args))
-    loop.package = package
-    out = args.out or Path("target/results") / model.name
-    results.check_writable(out)
-    return loop, out
 
 
 def _execute(loop: Run, out: Path, args: argparse.Namespace) -> HarnessError | None:

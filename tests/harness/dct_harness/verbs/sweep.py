@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from ..sweep import cases as study_cases
 from ..sweep import sampling, study_file
 from ..sweep.cases import Job
 from ..sweep.on_dask import HERE, cluster
-from ..sweep.runs import Row, Setup, run_one
+from ..sweep.runs import Prepared, Row, Setup
 from ..sweep.store import GOOD, Store, digest
 from ..sweep.study import DASK, LOCAL, Shown, Study
 from ..sweep.workers import Rows, parallel, serial
@@ -215,7 +214,7 @@ def _rows(study: Study, setup: Setup, jobs: list[Job], files: list[Path]) -> Row
     if study.executor != LOCAL:
         address = HERE if study.executor == DASK else study.executor
         return cluster(jobs, setup, files, address, study.jobs)
-    one = partial(run_one, setup)
+    one = Prepared(setup).run_one
     if study.jobs == 1 or len(jobs) < 2:
         return serial(jobs, one)
     return parallel(jobs, one, min(study.jobs, len(jobs)))
