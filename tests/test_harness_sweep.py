@@ -299,6 +299,23 @@ def test_a_second_ctrl_c_ends_runs_whose_fmu_does_not_return(tmp_path: Path, hos
     assert _alive(workers) == set()
 
 
+@pytest.mark.parametrize("engine", ["fmpy", "native"])
+def test_an_fmu_that_does_not_return_ends_its_run_after_the_time_of_a_call(
+    tmp_path: Path, hostile: Path, engine: str
+) -> None:
+    system, out = write_system(tmp_path), tmp_path / "out"
+    words = ("sweep", system, "--fmu-dir", hostile, "--engine", engine, "--out", out,
+             "--vary", f"plant.mode=choice({HANG})")  # fmt: skip
+    done = harness(*words, "--call-timeout", "1", folder=tmp_path)
+    assert done.returncode == 1, done.stderr
+    with (out / "sweep.csv").open() as file:
+        (hung,) = csv.DictReader(file)
+    assert hung["verdict"] == "exit 5"
+    assert hung["error"].endswith(" 1 s (--call-timeout)")
+    again = harness(*words, "--call-timeout", "2", "--resume", folder=tmp_path)  # the same sweep
+    assert again.returncode == 1, again.stderr
+
+
 def test_sweep_as_json_is_the_spread_of_its_csv(lag_dir: Path, tmp_path: Path) -> None:
     limit = '[[kpis]]\nkpi = "shift.jerkPeak"\nsignal = "vehicle.acceleration"\nmax = 1\n'
     system = write_system(tmp_path)

@@ -19,6 +19,7 @@ from .sampling import Factor
 
 Words = tuple["str | Path", ...]  # of the command line; files as paths, which a worker moves
 LOCAL, DASK = "local", "dask"
+TIME_LIMITS = ("--timeout", "--call-timeout")
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,12 @@ class Study:
         return ("run", self.system, "--fmu-dir", self.fmu_dir, "--engine", self.engine,
                 *self.settings)  # fmt: skip
 
+    @property
+    def _effective(self) -> Words:
+        """What runs are told, without how long they may take: `--resume` may give them longer."""
+        pairs = zip(self.settings[::2], self.settings[1::2], strict=True)
+        return tuple(word for pair in pairs if pair[0] not in TIME_LIMITS for word in pair)
+
     def combinations(self) -> Iterator[tuple[dict[str, Value], Words]]:
         """Yield labels by axis, and words, of each combination of the axes' options."""
         for chosen in itertools.product(*(axis.options for axis in self.axes)):
@@ -110,7 +117,7 @@ class Study:
         """Return what the rows depend on besides the content of files."""
         axes = {a.name: [[o.label, *map(_name, o.words)] for o in a.options] for a in self.axes}
         drawn = [{**asdict(f), "label": "", "unit": ""} for f in self.factors]
-        return {"factors": drawn, "axes": axes, "settings": [_name(w) for w in self.settings],
+        return {"factors": drawn, "axes": axes, "settings": [_name(w) for w in self._effective],
                 "runs": self.runs, "seed": self.seed, "sampling": self.sampling,
                 "engine": self.engine, "signals": [*self.signals, self.every]}  # fmt: skip
 

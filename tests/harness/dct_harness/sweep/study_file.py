@@ -15,7 +15,7 @@ from .study import Axis, Option, Shown, Study, Words
 
 METHOD = "observer.observer.method"  # what `methods` sets
 PLAIN = ("sampling", "runs", "seed", "engine", "executor", "jobs", "retries", "title")
-TOLD = ("timeout", "step", "stop")  # options of `run`
+TOLD = ("timeout", "call-timeout", "step", "stop")  # options of `run`
 
 
 def is_study(path: Path) -> bool:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from ..fmu import sources
 from ..fmu.isolated import Limits
 
 Action = Callable[[argparse.Namespace], int]
@@ -50,6 +52,13 @@ def say(args: argparse.Namespace, text: str, data: Any) -> None:
         print(json.dumps(data, allow_nan=False))
     elif not args.quiet:
         print(text)
+
+
+def say_outdated(args: argparse.Namespace, fmus: Iterable[Path]) -> None:
+    """Name FMUs that are older than their sources, beside what the verb prints."""
+    told = sources.remark(fmus)
+    if told and not (args.quiet or args.json):
+        print(told, file=sys.stderr)
 
 
 def seconds(text: str) -> float:

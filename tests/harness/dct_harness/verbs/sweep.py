@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ConfigError, InterruptedRunError
-from ..fmu import sources
+from ..fmu.isolated import Limits
 from ..kpi.table import aligned, number
 from ..master import watch
 from ..results import write_text
@@ -28,7 +27,7 @@ from ..sweep.store import GOOD, Store, digest
 from ..sweep.study import DASK, LOCAL, Shown, Study
 from ..sweep.workers import Rows, parallel, serial
 from . import junit, progress
-from .arguments import Verbs, add_loudness, say, seconds, verb
+from .arguments import Verbs, add_loudness, patience, say, say_outdated, seconds, verb
 from .run import ENGINES, KPI_FAILS
 
 SWEEP_CSV = "sweep.csv"
@@ -61,6 +60,7 @@ a study file:
   signal = "driveShaft.torque"
   max = 10                      # %; above it the estimate counts as broken
 """
+CALL_HELP = f"longest time for a call of a foreign FMU, as for run ({Limits.seconds:g})"
 HEAD = ["KPI", "signal", "estimate", "least", "median", "95 %", "most"]
 KEYS = ("kpi", "signal", "estimate", "least", "median", "quantile95", "most")
 PLAIN = ("runs", "seed", "sampling", "jobs", "engine", "fmu_dir")  # options that a study has too
@@ -93,6 +93,7 @@ def add(verbs: Verbs) -> None:
         parser.add_argument(f"--{name}", type=Path, metavar=kind, help=told)
     parser.add_argument("--stop", type=seconds, metavar="SECONDS",
                         help="end of every run (that of the file)")  # fmt: skip
+    parser.add_argument("--call-timeout", type=patience, metavar="SECONDS", help=CALL_HELP)
     parser.add_argument("--set", action="append", default=[], metavar="COMPONENT.VARIABLE=VALUE",
                         help="a parameter or start value of all runs")  # fmt: skip
     there = "run on the workers of a dask scheduler; 'local': --jobs workers of this machine"
@@ -124,7 +125,7 @@ def _sweep(args: argparse.Namespace, study: Study) -> int:
     out = args.out or (Path("target/study") / study.name if study.file else Path("target/sweep"))
     jobs = study_cases.jobs(study)
     files = study_cases.files(study)
-    _say_outdated(args, files)
+    say_outdated(args, (f for f in files if f.suffix == ".fmu"))
     store = Store(out, {**study.identity(), "files": digest(*files)}, args.resume)
     store.describe(study.describe())
     known = {k: row for k, row in store.rows().items() if k <= len(jobs)}
@@ -167,13 +168,6 @@ def _report(args: argparse.Namespace, out: Path) -> None:
         print(f"report: {page}")
 
 
-def _say_outdated(args: argparse.Namespace, files: list[Path]) -> None:
-    """Name FMUs that are older than their sources, before the runs."""
-    told = sources.remark(f for f in files if f.suffix == ".fmu")
-    if told and not (args.quiet or args.json):
-        print(told, file=sys.stderr)
-
-
 def plan(args: argparse.Namespace) -> Study:
     """Return the study of a file or of the options; options stand above the file.
 
@@ -203,8 +197,9 @@ def _settings(args: argparse.Namespace) -> Iterator[str | Path]:
     for name in ("scenario", "plant", "map"):
         if getattr(args, name) is not None:
             yield from (f"--{name}", getattr(args, name))
-    if args.stop is not None:
-        yield from ("--stop", repr(args.stop))
+    for name in ("stop", "call_timeout"):
+        if getattr(args, name) is not None:
+            yield from (f"--{name.replace('_', '-')}", repr(getattr(args, name)))
     for text in args.set:
         yield from ("--set", text)
 
