@@ -13,6 +13,7 @@ from dct_harness import results
 from dct_harness.fmu import sources
 from harness_fixture.lag_fmu import HARNESS, write_fmu
 from importer_cases import MODELS, fmu
+from test_harness_pytest import run_pytest
 
 SAID = "not built from the sources as they are now"
 REMEDY = "`cargo fmu build`"
@@ -88,6 +89,51 @@ def test_elsewhere_and_of_others_nothing_is_said(checkout: Path, lag_library: Pa
     assert remark(checkout) != ""
     shutil.rmtree(checkout / "fmu-build")
     assert remark(checkout) == ""
+
+
+def told(checkout: Path, *words: str | Path) -> str:
+    """Return what a command prints in a checkout."""
+    done = subprocess.run([*HARNESS, *map(str, words)], cwd=checkout, capture_output=True,
+                          text=True, check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout + done.stderr
+
+
+def test_whoever_looks_at_such_fmus_or_packs_them_says_it_once(
+    checkout: Path, repo_root: Path
+) -> None:
+    append(checkout, "src/models/plant.rs")
+    plant = sources.FOLDER / "DctPlant.fmu"
+    system = repo_root / "examples/closed_loop/paper_case1.toml"
+    for words in (
+        ("check", plant), ("check", plant, "--against", "plant"), ("doctor", plant),
+        ("export-ssp", system, "--out", "x.ssp"), ("export-container", system, "--out", "x.fmu"),
+    ):  # fmt: skip
+        assert told(checkout, *words).count(SAID) == 1, words
+    assert told(checkout, "check", plant, "-q") == ""
+
+
+PLUGIN = """
+def test_loop(closed_loop):
+    assert len(closed_loop("s.toml").time) == 11
+
+def test_plant(plant):
+    plant.step(0.01)
+"""
+
+
+@pytest.mark.parametrize("old", [True, False])
+def test_the_pytest_plugin_warns_of_them(checkout: Path, repo_root: Path, old: bool) -> None:
+    loop = repo_root / "examples/closed_loop"
+    text = (loop / "paper_case1.toml").read_text().replace('"scenarios/', f'"{loop}/scenarios/')
+    (checkout / "s.toml").write_text(text.replace("stop = 30.0", "stop = 0.01"))
+    (checkout / "test_it.py").write_text(PLUGIN)
+    (checkout / "pytest.ini").write_text("[pytest]\n")
+    if old:
+        append(checkout, "src/models/plant.rs")
+    done = run_pytest("-q", "test_it.py", folder=checkout)
+    assert f"2 passed{', 2 warnings' if old else ''} in" in done.stdout, done.stdout
+    assert (SAID in done.stdout) == old
 
 
 @pytest.mark.parametrize(("verb", "quiet", "count"), [

@@ -6,6 +6,7 @@ fixture is used, so it costs other test suites nothing.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -106,12 +107,16 @@ def fmu_dir(pytestconfig: pytest.Config) -> Path:
 
 
 def _stepper(pytestconfig: pytest.Config, name: str) -> Iterator[Stepper]:
+    from ..fmu import sources
     from ..master.stepper import Stepper
     from ..supplier import mapping
 
     file = _swapped(pytestconfig).get("map") if name == "plant" else None
     names = mapping.load(Path(file)) if file else None
-    with Stepper(_fmu(pytestconfig, f"dct_{name}"), name, names) as stepper:
+    path = _fmu(pytestconfig, f"dct_{name}")
+    if told := sources.remark([path]):
+        warnings.warn(told, stacklevel=1)
+    with Stepper(path, name, names) as stepper:
         yield stepper
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from .. import cli, results
 from ..compare import Tolerance, Tolerances, compare
 from ..errors import ConfigError
+from ..master.master import BUILD
 from ..results import Results
 from ..verbs.compare import table
 
@@ -74,6 +76,9 @@ class Loops:
             args = cli.parser().parse_args([*command, "--quiet", *options])
             args.action(args)
             loaded = results.load(out)
+            for message in loaded.run["log"]:
+                if message["category"] == BUILD:
+                    warnings.warn(message["message"], stacklevel=3)
             kpis = json.loads((out / "kpis.json").read_text(encoding="utf-8"))
             self._made[key] = Loop(loaded, kpis, out)
         return self._made[key]

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..fmu.values import unit_of
 from ..kpi.table import aligned
 from ..supplier.against import Finding
-from .arguments import Verbs, add_loudness, say, verb
+from .arguments import Verbs, add_loudness, say, say_outdated, verb
 
 BROKEN = 1  # contract
 INVALID = 3
@@ -42,6 +42,7 @@ def check(args: argparse.Namespace) -> int:
 
     With --against: 1 when it breaks the contract.
     """
+    say_outdated(args, [args.fmu])
     if args.against:
         return _against(args)
     from ..fmu.faults import faults

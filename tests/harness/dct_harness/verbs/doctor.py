@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import HarnessError
-from ..fmu import loader
+from ..fmu import loader, sources
 from .arguments import Verbs, add_loudness, say, verb
 from .environment import environment
 
@@ -65,11 +65,11 @@ def _platforms(path: Path) -> list[str] | None:
 
 
 def _diagnose(path: Path) -> dict[str, Any]:
-    """Return file, platforms, the glibc it needs, and the error with its exit code."""
+    """Return file, platforms, the glibc it needs, the error with its exit code, if it is old."""
     from ..fmu.isolated import load
 
     found = {"file": str(path), "platforms": _platforms(path), "glibc": None, "error": None,
-             "exitCode": 0}  # fmt: skip
+             "exitCode": 0, "outdated": sources.remark([path])}  # fmt: skip
     try:
         fmu = load("doctor", path)
     except HarnessError as error:
@@ -87,3 +87,5 @@ def _sentences(fmu: dict[str, Any]) -> Iterator[str]:
     else:
         needs = f", needs glibc {fmu['glibc']} or newer" if fmu["glibc"] else ""
         yield f"{fmu['file']}: loads{needs}"
+    if fmu["outdated"]:
+        yield fmu["outdated"]

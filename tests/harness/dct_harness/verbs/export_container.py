@@ -14,7 +14,7 @@ from ..fmu.values import items
 from ..master.resolved import Resolved
 from ..ssp.ssd_xml import text
 from . import selection
-from .arguments import Verbs, add_loudness, called, say, verb
+from .arguments import Verbs, add_loudness, called, say, say_outdated, verb
 
 EXAMPLES = """export-container examples/closed_loop/torque_tracking_case1.toml
 export-container loop.toml --step 0.01 --out target/loop.fmu"""
@@ -37,6 +37,7 @@ def export(args: argparse.Namespace) -> int:
     with selection.opened(args) as (model, paths, names, _):
         out = args.out or Path("target") / f"{model.name}.fmu"
         write(Resolved(model, paths, names), out)
+        say_outdated(args, paths.values())
     say(args, f"{out}: {', '.join(paths)} in one FMU, {model.coupling}, step {model.step:g} s",
         {"file": str(out), "components": list(paths)})  # fmt: skip
     return 0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..ssp.export import Export
 from . import selection
-from .arguments import Verbs, add_loudness, called, say, verb
+from .arguments import Verbs, add_loudness, called, say, say_outdated, verb
 
 EXAMPLES = """export-ssp examples/closed_loop/paper_case1.toml --out target/paper_case1.ssp
 export-ssp loop.toml --plant Antrieb.fmu --map antrieb.toml
@@ -31,6 +31,7 @@ def export(args: argparse.Namespace) -> int:
     with selection.opened(args) as (model, paths, names, _):
         out = args.out or Path("target") / f"{model.name}.ssp"
         Export(model, paths, names).write(out)
+        say_outdated(args, paths.values())
     say(args, f"{out}: {len(paths)} components, runs with `dct-harness run {out}`",
         {"file": str(out), "components": list(paths)})  # fmt: skip
     return 0
