@@ -16,6 +16,8 @@ from test_report_data import HOSTILE, write_all, write_run
 __all__ = ["browser"]  # a fixture
 LAPTOP = {"width": 1366, "height": 768}
 SHEET = (1030, 640)  # px of an A4 page across: 297 mm less margins of 12 mm, at 96 px an inch
+SHEET_HEIGHT = (210 - 2 * 12) / 25.4 * 96  # px, of the same
+LEAD = 200  # px that a heading and some lines take at most
 ZOOM = (8.5, 11.5)  # s, the upshift
 PIXEL = 0.05  # s; one pixel of a 1200 px wide panel is 0.025 s of 30 s
 
@@ -119,6 +121,7 @@ def test_figures_fit_the_sheet_they_are_printed_on(visit: Visit) -> None:
     visit.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     for width, height, *_ in visit.page.evaluate(sizes):
         assert (width, height <= SHEET[1]) == (SHEET[0], True)
+    assert_headings_share_the_sheet_of_their_figure(visit.page)
     visit.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
     visit.page.wait_for_function(f"(was) => JSON.stringify(({sizes})()) === JSON.stringify(was)",
                                  arg=before)  # fmt: skip
@@ -127,6 +130,19 @@ def test_figures_fit_the_sheet_they_are_printed_on(visit: Visit) -> None:
       (r) => r instanceof CSSPageRule).map((r) => [r.style.size, r.style.margin])""")
     assert margins == [["a4 landscape", "12mm"]]
     assert visit.complaints == []
+
+
+def assert_headings_share_the_sheet_of_their_figure(page: Page) -> None:
+    """Headings of four sections stood alone on a page, as their figure went to the next."""
+    spans = page.evaluate("""() => [...document.querySelectorAll("section")].flatMap((s) => {
+      const figure = s.querySelector("figure");
+      const top = s.getBoundingClientRect().top;
+      const box = figure?.getBoundingClientRect();
+      return box ? [[box.top - top, box.bottom - top]] : [];
+    })""")
+    whole = [bottom for lead, bottom in spans if lead < LEAD]
+    assert whole
+    assert max(whole) <= SHEET_HEIGHT
 
 
 def assert_shared(page: Page, start: float, end: float, tolerance: float) -> None:

@@ -13,6 +13,7 @@
   const PIXELS = { left: 78, right: 12, top: 64, bottom: 46, gap: 16, heading: 40, letter: 6 };
   const NARROW = 1000; // page width [px] below which panels stand below each other
   const SHEET = { width: 1030, height: 640 }; // [px] of an A4 page across, with a heading
+  const MOST_LEAD = 200; // [px]: a heading and some lines
   const CONFIG = {
     responsive: true, displaylogo: false, scrollZoom: false, doubleClick: false,
     modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "resetScale2d"],
@@ -249,12 +250,19 @@
     }
   }
 
+  // Height [px] of what stands above the first figure of a section, and goes onto its sheet; 0 where that is much.
+  function lead(div) {
+    const [figure, section] = ["figure", "section"].map((name) => div.closest(name));
+    const height = figure.getBoundingClientRect().top - section.getBoundingClientRect().top;
+    return height < MOST_LEAD ? height : 0;
+  }
+
   // Paper has a size of its own. Printing does not wait: what plotly.js draws at once is printed.
   function fit(sheet) {
     for (const spec of specs) {
       const div = document.getElementById(spec.id);
       if (!div.data) continue;
-      const height = sheet ? Math.min(spec.height, sheet.height) : spec.height;
+      const height = sheet ? Math.min(spec.height, sheet.height - lead(div)) : spec.height;
       div.style.height = `${height}px`;
       const annotations = [...namesOf(spec, sheet?.width), ...headingsOf(spec, place(spec))];
       Plotly.relayout(div, { width: sheet?.width ?? null, autosize: !sheet, height, annotations });
