@@ -24,9 +24,9 @@ UNITS = "<UnitDefinitions>"
 @pytest.fixture(scope="module")
 def checker() -> Path:
     """Return the program behind `cargo fmu`."""
-    build = ["cargo", "build", "--quiet", "--release", "-p", "fmu-build"]
+    build = ["cargo", "build", "--quiet", "-p", "fmu-build"]
     subprocess.run(build, cwd=ROOT, check=True)
-    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "cargo-fmu"
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "cargo-fmu"
 
 
 def _members() -> dict[str, bytes]:

@@ -54,7 +54,7 @@ def test_two_builds_into_two_folders_give_the_same_bytes(tmp_path: Path) -> None
 def _builder() -> Path:
     """Return the program behind `cargo fmu`, which was just built."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    return target / "release" / "cargo-fmu"
+    return target / "debug" / "cargo-fmu"
 
 
 # What a library needs that the compiler of this machine, and not zig, has linked.

@@ -1,7 +1,7 @@
 //! Libraries for macOS: linked and audited, never run, for there is no such machine here.
 
 use super::compiler::{APPLE, Compiler};
-use super::{GLIBC, MODELS, OUT};
+use super::{GLIBC, MODELS, OUT, PACKAGER};
 use crate::plan::{Failure, Step, execute};
 use crate::setup::{Project, printed};
 use std::fs;
@@ -63,7 +63,7 @@ fn with_file<T>(path: &Path, done: std::io::Result<T>) -> Result<T, Failure> {
 /// With a library for this machine beside them, or `check` would refuse the FMU.
 fn fmus(compiler: Compiler, kit: &Path) -> Result<Command, Failure> {
     let tools = tools()?;
-    let mut command = Command::new("target/release/cargo-fmu");
+    let mut command = Command::new(PACKAGER);
     command.args(["build", "--out"]).arg(out());
     let here = format!("x86_64-unknown-linux-gnu.{GLIBC}");
     for target in [here.as_str()].into_iter().chain(APPLE) {

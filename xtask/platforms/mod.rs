@@ -13,6 +13,8 @@ use std::process::Command;
 
 /// What zig links for: the oldest Linux that tools still support.
 const GLIBC: &str = "2.17";
+/// What `cargo fmu` runs; called directly where it shall build with another compiler than its own.
+const PACKAGER: &str = "target/debug/cargo-fmu";
 const OUT: &str = "target/platforms";
 const MODELS: [&str; 3] = ["DctPlant", "DctObserver", "DctClutchControl"];
 /// An importer may load a library this often; `windows-gnu` ends at some 1,050.
@@ -56,11 +58,11 @@ fn zig(project: &Project) -> Command {
 
 /// The packager is of this machine and its own compiler; what it calls cargo for is not.
 fn packager(project: &Project) -> Command {
-    project.cargo(&["build", "--quiet", "--release", "--package", "fmu-build"])
+    project.cargo(&["build", "--quiet", "--package", "fmu-build"])
 }
 
 fn fmus(compiler: Compiler) -> Command {
-    let mut command = Command::new("target/release/cargo-fmu");
+    let mut command = Command::new(PACKAGER);
     command.args(["build", "--out", OUT, "--target", WINDOWS]);
     for machine in ["x86_64", "aarch64"] {
         command.arg("--target");

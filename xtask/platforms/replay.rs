@@ -1,6 +1,6 @@
 //! The FMUs over the paper's scenario: what linux64 computes, the other platforms compute to the last bit.
 
-use super::{MODELS, OUT, library};
+use super::{MODELS, OUT, PACKAGER, library};
 use crate::plan::{Failure, Step, execute};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ pub fn wine() -> Command {
 /// Runs a drive here, writes its calls, and repeats them on the other platforms.
 fn compare(drive: &Drive) -> Result<(), Failure> {
     let (inputs, calls) = (inputs(drive)?, format!("{OUT}/{}.calls", drive.name));
-    let mut here = Command::new("target/release/cargo-fmu");
+    let mut here = Command::new(PACKAGER);
     here.arg("replay");
     here.args(
         drive
