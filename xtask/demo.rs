@@ -2,6 +2,7 @@
 
 use crate::plan::{Failure, Step, execute};
 use crate::setup::Project;
+use crate::words::Words;
 use std::path::Path;
 use std::process::Command;
 
@@ -50,7 +51,9 @@ pub fn steps(project: &Project, open: bool) -> Vec<Step> {
         )
     }));
     let project = project.clone();
-    steps.push(Step::new("report", move || report(&project, open)));
+    steps.push(Step::new("report", move |words| {
+        report(&project, open, words)
+    }));
     steps
 }
 
@@ -67,18 +70,22 @@ fn run(project: &Project, name: &str, system: &str, feedback: Option<bool>) -> C
     command
 }
 
-fn report(project: &Project, open: bool) -> Result<(), Failure> {
-    let words = ["report", "--title", TITLE, "--out", "target/report"];
-    let mut command = project.venv("dct-harness", &words);
+fn report(project: &Project, open: bool, words: &Words) -> Result<(), Failure> {
+    let verb = ["report", "--title", TITLE, "--out", "target/report"];
+    let mut command = project.venv("dct-harness", &verb);
     command.args(RUNS.map(|(name, ..)| format!("target/demo/{name}")));
-    execute(command)?;
+    execute(words, command)?;
     let page = Path::new("target/report/index.html");
     let page = page.canonicalize().map_err(|error| Failure::File {
         path: page.into(),
         error,
     })?;
-    println!("\nopen file://{}", page.display());
-    if open { execute(opener(&page)) } else { Ok(()) }
+    words.say(format_args!("\nopen file://{}", page.display()));
+    if open {
+        execute(words, opener(&page))
+    } else {
+        Ok(())
+    }
 }
 
 fn opener(page: &Path) -> Command {

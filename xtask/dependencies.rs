@@ -31,14 +31,14 @@ const MANIFESTS: [&str; 4] = [
 /// Unpacks the database and asks cargo-deny about every workspace.
 pub fn step(project: &Project) -> Step {
     let project = project.clone();
-    Step::new("dependencies: cargo-deny", move || {
+    Step::new("dependencies: cargo-deny", move |words| {
         forget(Path::new(DATABASES))?;
         let unpack = project.venv("python", &["-m", "tarfile", "-e", COPY, RUSTSEC]);
-        execute(unpack)?;
-        GIT.iter().map(|words| git(words)).try_for_each(execute)?;
+        execute(words, unpack)?;
+        GIT.iter().try_for_each(|verb| execute(words, git(verb)))?;
         for manifest in MANIFESTS {
-            execute(fetch(&project, manifest))?;
-            execute(deny(&project, manifest))?;
+            execute(words, fetch(&project, manifest))?;
+            execute(words, deny(&project, manifest))?;
         }
         Ok(())
     })

@@ -7,6 +7,7 @@
 
 use crate::plan::{Failure, Step, execute, line};
 use crate::setup::Project;
+use crate::words::Words;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -92,6 +93,11 @@ pub fn steps_for(project: &Project, what: &[&str]) -> Result<Vec<Step>, Failure>
 
 /// Builds the targets twice and runs each for `seconds` in both ways.
 pub fn steps(project: &Project, seconds: u32) -> Vec<Step> {
+    vec![build(project), campaign(seconds)]
+}
+
+/// Builds the targets twice.
+pub fn build(project: &Project) -> Step {
     let builds = Sanitizer::ALL.map(|sanitizer| {
         let words = [
             "build",
@@ -103,18 +109,20 @@ pub fn steps(project: &Project, seconds: u32) -> Vec<Step> {
         ];
         sanitizer.build(project, &words, COVERAGE)
     });
+    Step::commands(
+        "fuzz targets, plain and with address sanitizer",
+        builds.into(),
+    )
+}
+
+/// Runs each target for `seconds` in both ways, with both cores for itself.
+pub fn campaign(seconds: u32) -> Step {
     let title = format!("libFuzzer: calls, states, packages, {seconds} s each, twice");
-    vec![
-        Step::commands(
-            "fuzz targets, plain and with address sanitizer",
-            builds.into(),
-        ),
-        Step::new(title, move || run(seconds)),
-    ]
+    Step::new(title, move |words| run(words, seconds))
 }
 
 /// Two at a time, so that two cores are busy.
-fn run(seconds: u32) -> Result<(), Failure> {
+fn run(words: &Words, seconds: u32) -> Result<(), Failure> {
     let jobs = Sanitizer::ALL
         .into_iter()
         .flat_map(|s| TARGETS.map(|t| (s, t)));
@@ -123,7 +131,7 @@ fn run(seconds: u32) -> Result<(), Failure> {
         for _ in 0..CORES {
             scope.spawn(|| {
                 while let Some((sanitizer, target)) = next(&jobs) {
-                    if let Err(failure) = fuzz(sanitizer, target, seconds) {
+                    if let Err(failure) = fuzz(words, sanitizer, target, seconds) {
                         put(&failures, failure);
                     }
                 }
@@ -145,7 +153,12 @@ fn put<T>(list: &Mutex<Vec<T>>, value: T) {
 }
 
 /// Runs one target; its words go to a file, and are shown when it fails.
-fn fuzz(sanitizer: Sanitizer, target: (&str, u32), seconds: u32) -> Result<(), Failure> {
+fn fuzz(
+    words: &Words,
+    sanitizer: Sanitizer,
+    target: (&str, u32),
+    seconds: u32,
+) -> Result<(), Failure> {
     let (name, longest) = target;
     let label = format!("{name}-{}", sanitizer.name());
     let [found, reproducers] = [
@@ -168,24 +181,24 @@ fn fuzz(sanitizer: Sanitizer, target: (&str, u32), seconds: u32) -> Result<(), F
         ])
         .arg(found)
         .arg(Path::new(CORPUS).join(name));
-    heard(&mut command, &label)
+    heard(words, &mut command, &label)
 }
 
 /// Runs a target with its words in `LABEL.log`.
-fn heard(command: &mut Command, label: &str) -> Result<(), Failure> {
+fn heard(words: &Words, command: &mut Command, label: &str) -> Result<(), Failure> {
     let log = Path::new(OUT).join(format!("{label}.log"));
-    let words = File::create(&log).map_err(|error| Failure::File {
+    let file = File::create(&log).map_err(|error| Failure::File {
         path: log.clone(),
         error,
     })?;
     let status = command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
-        .stderr(words)
+        .stderr(file)
         .status();
     let said = fs::read_to_string(&log).unwrap_or_default();
     if status.is_ok_and(|status| status.success()) {
-        println!("      {label}: {}", summary(&said));
+        words.say(format_args!("      {label}: {}", summary(&said)));
         return Ok(());
     }
     Err(Failure::Command {
@@ -231,9 +244,8 @@ fn end(said: &str) -> String {
 
 /// Takes what earlier runs found into the corpus, the smallest set that covers as much.
 fn keep(project: &Project) -> Vec<Step> {
-    let mut steps = steps(project, 1);
-    steps.truncate(1);
-    steps.push(Step::new("corpus", || {
+    let mut steps = vec![build(project)];
+    steps.push(Step::new("corpus", |words| {
         TARGETS.into_iter().try_for_each(|(name, longest)| {
             let kept = Path::new(CORPUS).join(name);
             let old = Path::new(OUT).join(format!("old-{name}"));
@@ -253,7 +265,7 @@ fn keep(project: &Project) -> Vec<Step> {
                 .args([&kept, &old]);
             let found = Sanitizer::ALL.map(|s| format!("{OUT}/found/{name}-{}", s.name()));
             command.args(found.iter().filter(|folder| Path::new(folder).is_dir()));
-            execute(command)?;
+            execute(words, command)?;
             fs::remove_dir_all(&old).map_err(|error| Failure::File { path: old, error })
         })
     }));

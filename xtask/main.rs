@@ -11,6 +11,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)] // talking to people is its purpose
 
 mod bench;
+mod beside;
 mod demo;
 mod dependencies;
 mod fuzz;
@@ -20,6 +21,7 @@ mod plan;
 mod platforms;
 mod setup;
 mod test;
+mod words;
 
 use plan::{Failure, Step};
 use setup::Project;
@@ -33,7 +35,8 @@ commands:
                  target/report/index.html; --open shows it in a browser
   test           every check: formatters, linters, licences, Rust tests, docs, 60 s of each fuzz
                  target, all platforms, Python tests with the FMUs in fmpy, ecos, libcosim and
-                 the fmi crate
+                 the fmi crate; fuzz targets and FMUs for all platforms are built beside the
+                 Rust tests: what they say is in target/beside.log, and shown when they are done
   bench [--quick]
                  every performance gate, C FMUs beside: a table and target/bench/summary.json;
                  fails when a gate is missed; --quick is a short run that judges nothing,

@@ -14,7 +14,7 @@ const TARGET: &str = "target/publish";
 /// Packs the crates, unpacks them elsewhere and builds them there.
 pub fn step(project: &Project) -> Step {
     let project = project.clone();
-    Step::new("packages of the crates that can be published", move || {
+    Step::new("packages of the crates that can be published", move |_| {
         pack(&project)
     })
 }

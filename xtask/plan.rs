@@ -1,5 +1,6 @@
 //! A plan: steps that run one after the other, each announced as `[3/9] …` and timed.
 
+use crate::words::Words;
 use std::fmt;
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -7,14 +8,17 @@ use std::time::Instant;
 /// One step: what it is for and what it does.
 pub struct Step {
     title: String,
-    action: Box<dyn FnOnce() -> Result<(), Failure>>,
+    action: Box<Action>,
 }
 
+/// What a step does; it is told where its words go, and may be done in another thread.
+type Action = dyn FnOnce(&Words) -> Result<(), Failure> + Send;
+
 impl Step {
-    /// A step that calls a function.
+    /// A step that calls a function, which is told where its words go.
     pub fn new(
         title: impl Into<String>,
-        action: impl FnOnce() -> Result<(), Failure> + 'static,
+        action: impl FnOnce(&Words) -> Result<(), Failure> + Send + 'static,
     ) -> Self {
         Self {
             title: title.into(),
@@ -24,7 +28,10 @@ impl Step {
 
     /// A step that runs commands until one fails.
     pub fn commands(title: impl Into<String>, commands: Vec<Command>) -> Self {
-        Self::new(title, move || commands.into_iter().try_for_each(execute))
+        Self::new(title, move |words| {
+            let mut commands = commands.into_iter();
+            commands.try_for_each(|command| execute(words, command))
+        })
     }
 }
 
@@ -40,6 +47,8 @@ pub enum Failure {
         /// Exit status, or why it could not be started.
         what: String,
     },
+    /// Another step failed while this one ran beside it.
+    Stopped,
     /// Something is missing that only the user can install.
     Missing {
         /// What is missing.
@@ -63,6 +72,7 @@ impl fmt::Display for Failure {
             Self::Command { line, what } => {
                 write!(f, "{what}; to repeat this alone:\n\n  {line}\n")
             }
+            Self::Stopped => write!(f, "stopped, for another step failed"),
             Self::Missing { what, remedy } => {
                 write!(f, "{what} is missing; to install it:\n\n  {remedy}\n")
             }
@@ -71,25 +81,34 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Runs the steps in order and stops at the first that fails.
+/// Runs the steps in order, for all to see, and stops at the first that fails.
 ///
 /// Nothing is printed after the last step, so a test runner's summary stays the last line.
 pub fn run(steps: Vec<Step>) -> Result<(), Failure> {
+    work(steps, &Words::Shown)
+}
+
+/// The same with the words somewhere else.
+pub fn work(steps: Vec<Step>, words: &Words) -> Result<(), Failure> {
     let total = steps.len();
     let mut previous: Option<Instant> = None;
     for (index, Step { title, action }) in steps.into_iter().enumerate() {
         if let Some(started) = previous {
-            println!("      {:.1} s", started.elapsed().as_secs_f64());
+            words.say(format_args!(
+                "      {:.1} s",
+                started.elapsed().as_secs_f64()
+            ));
         }
-        println!("[{}/{total}] {title}", index + 1);
+        words.say(format_args!("[{}/{total}] {title}", index + 1));
         previous = Some(Instant::now());
-        action()?;
+        action(words)?;
     }
     Ok(())
 }
 
-/// Runs a command with its output shown.
-pub fn execute(mut command: Command) -> Result<(), Failure> {
+/// Runs a command; its output goes where the words go.
+pub fn execute(words: &Words, mut command: Command) -> Result<(), Failure> {
+    words.give_to(&mut command)?;
     let status = command.stdin(Stdio::null()).status();
     let what = match status {
         Ok(status) if status.success() => return Ok(()),
@@ -140,23 +159,22 @@ mod tests {
         command
             .args(["--with", "two words", "it's"])
             .env("LIBCLANG_PATH", "/a b");
-        let failure = execute(command).unwrap_err().to_string();
+        let failure = execute(&Words::Shown, command).unwrap_err().to_string();
         assert!(failure.contains(r"LIBCLANG_PATH='/a b' false --with 'two words' 'it'\''s'"));
         assert!(failure.contains("exit status: 1"));
     }
 
     #[test]
     fn a_program_that_does_not_exist_is_named() {
-        let failure = execute(Command::new("no-such-program"))
-            .unwrap_err()
-            .to_string();
+        let command = Command::new("no-such-program");
+        let failure = execute(&Words::Shown, command).unwrap_err().to_string();
         assert!(failure.contains("could not be started") && failure.contains("no-such-program"));
     }
 
     #[test]
     fn steps_after_a_failing_one_do_not_run() {
-        let fails = Step::new("fails", || Err(Failure::Usage("on purpose".into())));
-        let never = Step::new("never", || unreachable!());
+        let fails = Step::new("fails", |_| Err(Failure::Usage("on purpose".into())));
+        let never = Step::new("never", |_| unreachable!());
         assert!(matches!(run(vec![fails, never]), Err(Failure::Usage(_))));
     }
 }

@@ -1,6 +1,7 @@
 //! What every chore needs first: system packages, Python packages in `.venv`, the FMUs.
 
 use crate::plan::{Failure, Step, execute, succeeds};
+use crate::words::Words;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -148,14 +149,16 @@ impl Project {
         let names: Vec<_> = needed.iter().map(|package| package.debian()).collect();
         Step::new(
             format!("system packages: {}", names.join(", ")),
-            move || install(needed),
+            move |words| install(words, needed),
         )
     }
 
     /// Python packages into `.venv`.
     pub fn python_packages(&self) -> Step {
         let root = self.root.clone();
-        Step::new("Python packages into .venv", move || make_venv(&root))
+        Step::new("Python packages into .venv", move |words| {
+            make_venv(words, &root)
+        })
     }
 
     /// The FMUs into `target/fmu`.
@@ -180,7 +183,7 @@ impl Project {
     }
 }
 
-fn install(needed: &[Package]) -> Result<(), Failure> {
+fn install(words: &Words, needed: &[Package]) -> Result<(), Failure> {
     let missing: Vec<_> = needed
         .iter()
         .filter(|package| !package.is_present())
@@ -198,10 +201,10 @@ fn install(needed: &[Package]) -> Result<(), Failure> {
             ),
         });
     }
-    execute(apt_get(&["update", "-qq"]))?;
+    execute(words, apt_get(&["update", "-qq"]))?;
     let mut command = apt_get(&["install", "-y", "-qq", "--no-install-recommends"]);
     command.args(names.iter().flat_map(|name| name.split(' ')));
-    execute(command)
+    execute(words, command)
 }
 
 fn apt_get(words: &[&str]) -> Command {
@@ -237,7 +240,7 @@ fn venv_program(program: &str) -> PathBuf {
 /// Makes `.venv` anew unless it was made from the same interpreter and the same requirements.
 ///
 /// The stamp holds them in full, so no hash can collide and a look at it tells what is installed.
-fn make_venv(root: &Path) -> Result<(), Failure> {
+fn make_venv(words: &Words, root: &Path) -> Result<(), Failure> {
     let (venv, stamp) = (root.join(".venv"), root.join(".venv/requirements.stamp"));
     let wanted = wanted_stamp(root)?;
     if fs::read_to_string(&stamp).is_ok_and(|found| found == wanted) {
@@ -249,15 +252,15 @@ fn make_venv(root: &Path) -> Result<(), Failure> {
             error,
         })?;
     }
-    install(&[Package::Venv])?;
+    install(words, &[Package::Venv])?;
     let mut create = Command::new(python()?);
     create.args(["-m", "venv", ".venv"]);
-    execute(create)?;
-    for words in PIP_INSTALLS {
+    execute(words, create)?;
+    for arguments in PIP_INSTALLS {
         let mut pip = Command::new(venv_program("python"));
         pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"])
-            .args(*words);
-        execute(pip)?;
+            .args(*arguments);
+        execute(words, pip)?;
     }
     fs::write(&stamp, wanted).map_err(|error| Failure::File { path: stamp, error })
 }

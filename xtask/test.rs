@@ -1,11 +1,12 @@
 //! `cargo xtask test`: every check, the quick ones first, pytest and its summary last.
 
+use crate::beside::beside;
 use crate::dependencies;
 use crate::fuzz;
 use crate::native::{self, MASTER};
 use crate::packages;
 use crate::plan::Step;
-use crate::platforms;
+use crate::platforms::{self, Compiler};
 use crate::setup::{Package, Project};
 use std::process::Command;
 
@@ -18,9 +19,30 @@ const FUZZ: &str = "tests/fuzz/Cargo.toml";
 /// How long each fuzz target runs, in each of two ways [s].
 const FUZZ_SECONDS: u32 = 60;
 
+/// Where the words of what is built beside the Rust tests are until they are shown.
+const BESIDE: &str = "target/beside.log";
+
 /// The steps of `cargo xtask test`.
 pub fn steps(project: &Project) -> Vec<Step> {
-    let mut steps = vec![
+    let compiler = Compiler::choose(false);
+    let mut steps = quick(project);
+    steps.extend(platforms::tools(project, compiler));
+    let mut compiled = vec![fuzz::build(project)];
+    compiled.extend(platforms::checks(project, compiler));
+    steps.extend(beside(
+        "fuzz targets and platforms",
+        BESIDE.into(),
+        compiled,
+        of_this_machine(project),
+    ));
+    steps.push(fuzz::campaign(FUZZ_SECONDS));
+    steps.push(Step::commands("Python tests", vec![pytest(project)]));
+    steps
+}
+
+/// What needs no FMU.
+fn quick(project: &Project) -> Vec<Step> {
+    vec![
         project.system_packages(&[
             Package::Chromium,
             Package::Tbb,
@@ -35,6 +57,12 @@ pub fn steps(project: &Project) -> Vec<Step> {
             vec![clippy(project, &["--workspace"]), ecu_clippy(project)],
         ),
         dependencies::step(project),
+    ]
+}
+
+/// Tests in Rust, and what they and those in Python need.
+fn of_this_machine(project: &Project) -> Vec<Step> {
+    vec![
         Step::commands("Rust tests", vec![project.cargo(&["test", "--workspace"])]),
         Step::commands("Rust docs without warnings", vec![docs(project)]),
         packages::step(project),
@@ -46,11 +74,7 @@ pub fn steps(project: &Project) -> Vec<Step> {
             clippy(project, &["--manifest-path", MASTER, "--workspace"]),
         ),
         native::repeat(project),
-    ];
-    steps.extend(fuzz::steps(project, FUZZ_SECONDS));
-    steps.extend(platforms::checks(project, false));
-    steps.push(Step::commands("Python tests", vec![pytest(project)]));
-    steps
+    ]
 }
 
 fn formatters(project: &Project) -> Vec<Command> {

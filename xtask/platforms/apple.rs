@@ -15,10 +15,10 @@ const FOLDER: &str = "darwin";
 pub fn step(project: &Project, compiler: Compiler) -> Step {
     let title = "darwin64, aarch64-darwin: linked and audited, not run on a Mac";
     let (zig, check) = (zig(project), audit(project));
-    Step::new(title, move || {
+    Step::new(title, move |words| {
         let kit = kit(zig)?;
-        execute(fmus(compiler, &kit)?)?;
-        execute(check)
+        execute(words, fmus(compiler, &kit)?)?;
+        execute(words, check)
     })
 }
 

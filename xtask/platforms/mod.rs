@@ -8,7 +8,8 @@ mod replay;
 
 use crate::plan::Step;
 use crate::setup::Project;
-use compiler::{Compiler, WINDOWS};
+pub use compiler::Compiler;
+use compiler::WINDOWS;
 use std::process::Command;
 
 /// What zig links for: the oldest Linux that tools still support.
@@ -22,17 +23,24 @@ const LOADS: &str = "1500";
 
 /// The steps of `cargo xtask platforms`; `build_std`: without rustup's targets.
 pub fn steps(project: &Project, build_std: bool) -> Vec<Step> {
+    let compiler = Compiler::choose(build_std);
     let mut steps = vec![project.python_packages()];
-    steps.extend(checks(project, build_std));
+    steps.extend(tools(project, compiler));
+    steps.extend(checks(project, compiler));
     steps
 }
 
-/// The same where the Python packages are there already.
-pub fn checks(project: &Project, build_std: bool) -> Vec<Step> {
-    let compiler = Compiler::choose(build_std);
-    vec![
+/// What they need from outside, where the Python packages are there already.
+pub fn tools(project: &Project, compiler: Compiler) -> [Step; 2] {
+    [
         project.system_packages(compiler.packages()),
         Step::commands("zig", vec![zig(project)]),
+    ]
+}
+
+/// The same where all that is there already.
+pub fn checks(project: &Project, compiler: Compiler) -> Vec<Step> {
+    vec![
         Step::commands(
             format!("FMUs for all three: {}", compiler.title()),
             vec![packager(project), fmus(compiler)],

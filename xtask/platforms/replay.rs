@@ -2,6 +2,7 @@
 
 use super::{MODELS, OUT, PACKAGER, library};
 use crate::plan::{Failure, Step, execute};
+use crate::words::Words;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -46,7 +47,7 @@ const DRIVES: [Drive; 2] = [
 pub fn step() -> Step {
     Step::new(
         "the paper's scenario, open and closed loop, on all three: the same bits",
-        move || DRIVES.iter().try_for_each(compare),
+        move |words| DRIVES.iter().try_for_each(|drive| compare(drive, words)),
     )
 }
 
@@ -60,7 +61,7 @@ pub fn wine() -> Command {
 }
 
 /// Runs a drive here, writes its calls, and repeats them on the other platforms.
-fn compare(drive: &Drive) -> Result<(), Failure> {
+fn compare(drive: &Drive, words: &Words) -> Result<(), Failure> {
     let (inputs, calls) = (inputs(drive)?, format!("{OUT}/{}.calls", drive.name));
     let mut here = Command::new(PACKAGER);
     here.arg("replay");
@@ -74,7 +75,7 @@ fn compare(drive: &Drive) -> Result<(), Failure> {
         .arg(&inputs);
     here.arg("--out")
         .arg(format!("{OUT}/{}_linux64.csv", drive.name));
-    execute(here)?;
+    execute(words, here)?;
     let mut qemu = Command::new("qemu-aarch64");
     qemu.args(["-L", "/usr/aarch64-linux-gnu"])
         .arg(format!("{OUT}/calls"));
@@ -83,7 +84,8 @@ fn compare(drive: &Drive) -> Result<(), Failure> {
     for (mut command, platform, extension) in
         [(qemu, "aarch64-linux", "so"), (windows, "win64", "dll")]
     {
-        println!("      {} on {platform}:", drive.models.join(" + "));
+        let coupled = drive.models.join(" + ");
+        words.say(format_args!("      {coupled} on {platform}:"));
         command.arg(&calls);
         command.args(
             drive
@@ -91,7 +93,7 @@ fn compare(drive: &Drive) -> Result<(), Failure> {
                 .iter()
                 .map(|model| library(model, platform, extension)),
         );
-        execute(command)?;
+        execute(words, command)?;
     }
     Ok(())
 }
