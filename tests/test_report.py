@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import closed_loop_runs
 import pytest
-from browsing import DRAWN, browser, new_page
+from browsing import DRAWN, PATIENCE, browser, new_page
 from dct_harness import report
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, TimeoutError
 from test_report_data import HOSTILE, write_all, write_run
 
 __all__ = ["browser"]  # a fixture
@@ -152,11 +153,12 @@ def assert_shared(page: Page, start: float, end: float, tolerance: float) -> Non
             assert high == pytest.approx(end, abs=tolerance), figure
 
 
-def await_range(page: Page, start: float, tolerance: float) -> None:
+def await_range(page: Page, start: float, tolerance: float, timeout: float = PATIENCE) -> None:
     page.wait_for_function(
         f"([start, tolerance]) => ({RANGES})().every("
         "(f) => f.ranges.every((r) => Math.abs(r[0] - start) < tolerance))",
         arg=[start, tolerance],
+        timeout=timeout,
     )
 
 
@@ -184,9 +186,18 @@ def test_dragging_in_one_figure_zooms_all(visit: Visit) -> None:
     await_range(visit.page, ZOOM[0], PIXEL)
     assert_shared(visit.page, *ZOOM, PIXEL)
     assert visit.page.eval_on_selector("#zoom", "menu => menu.value") == "custom"
-    visit.page.mouse.dblclick(sum(x) / 2, y)
-    await_range(visit.page, 0.0, 1e-9)
+    zoom_out(visit.page, sum(x) / 2, y)
     assert_shared(visit.page, 0.0, 30.0, 1e-9)
+
+
+def zoom_out(page: Page, x: float, y: float) -> None:
+    """Double-click; again where a busy machine let 0.3 s pass between the two clicks."""
+    for _ in range(20):
+        page.mouse.dblclick(x, y)
+        with suppress(TimeoutError):
+            await_range(page, 0.0, 1e-9, timeout=PATIENCE / 20)
+            return
+    raise AssertionError("a double click zooms nothing out")
 
 
 def test_keyboard_moves_and_zooms(visit: Visit) -> None:
