@@ -4,7 +4,6 @@ use crate::bench::sensors::{noisy, perfect, torque_error, torque_offset, wheel_b
 use crate::bench::{Drive, after, calibrated, faded, observe, scenarios, wet};
 use dct_driveline::Params;
 use dct_driveline::observer::{Calibration, Estimate, Method, Sample, Selected, Settings};
-use std::iter;
 
 const H: f64 = 1e-3;
 /// Largest RMSE of T_c1/T_c2/T_o under each error [% of RMS], and with speed noise.
@@ -100,12 +99,9 @@ fn three_parameters_wrong_by_one_share_do_not_pass_for_the_torque() {
     }
 }
 
-/// Every drive there is, the ones that gains were tuned on among them.
+/// Every drive there is.
 fn every_drive() -> impl Iterator<Item = Drive> {
-    let random = (4..=9).chain(101..=108).map(scenarios::random);
-    let all = iter::once(scenarios::paper())
-        .chain(scenarios::unseen())
-        .chain(random);
+    let all = scenarios::every().into_iter();
     all.map(|scenario| scenario.drive(H))
 }
 

@@ -371,3 +371,11 @@ pub fn unseen() -> Vec<Scenario> {
     all.extend([1, 2, 3].map(random));
     all
 }
+
+/// Every drive there is, the ones that gains were tuned on among them.
+pub fn every() -> Vec<Scenario> {
+    let mut all = vec![paper()];
+    all.extend(unseen());
+    all.extend((4..=9).chain(101..=108).map(random));
+    all
+}
