@@ -17,9 +17,11 @@ from ..fmu.kept import Kept
 from ..fmu.values import Read
 from ..supplier.mapped import Mapped, apply_shared
 from ..supplier.mapping import Mapping
+from ..system import scenario as scenarios
 from ..system.system import System
 from ..system.transforms import Transform
 from . import doubts
+from .beside import Measured
 from .coupling import algebraic_loops, delayed, ranges
 from .initial import Initialization, Member
 from .interpolation import Interpolation
@@ -54,6 +56,7 @@ class Run:
         self.times = np.zeros(0)
         self.wirings = Wirings()  # of runs that differ in values only
         self._wiring: Wiring | None = None
+        self.measured = Measured(scenarios.load(None), (), self.times)
         self.package: Any = None  # opened .ssp whose FMUs lie in its temporary folder
         self.abort: HarnessError | None = None  # set by a signal or another thread
         self.at_work = True  # an FMU may be within a call
@@ -105,6 +108,7 @@ class Run:
         """Lay out scenario signals, noise and outputs in one vector, and where inputs read it."""
         wired = self._wiring = self.wirings.of(self.system, self.fmus)
         self.times, self.sources, self.transforms = wired.times, wired.sources, wired.transforms
+        self.measured = Measured(wired.scenario, self.fmus, self.times)
         outputs = wired.outputs
         self.noise = Noise(self.system, self.sources, {n: wired.types[n] for n in outputs})
         self.script = wired.script
@@ -232,8 +236,10 @@ class Run:
         self.rows = self._samples[: k + 1]
 
     def table(self) -> tuple[list[str], np.ndarray]:
-        """Return column names and rows, `time` first."""
-        return ["time", *self.kept], np.column_stack([self.times[: len(self.rows)], self.rows])
+        """Return column names and rows, `time` first; what was measured of the plant last."""
+        count, beside = len(self.rows), self.measured
+        columns = [self.times[:count], self.rows, beside.table[:count]]
+        return ["time", *self.kept, *beside.names], np.column_stack(columns)
 
     def events(self) -> list[dict[str, Any]]:
         """Return each change of an integer or enumeration output."""
@@ -278,14 +284,15 @@ class Run:
         if self._wiring is None:
             return {}
         read = {**self.sources, **dict(zip(self.noise.names, self.noise.columns, strict=True))}
-        return describe(self.kept, self.fmus, read, self.transforms)
+        return describe(self.kept, self.fmus, read, self.transforms) | self.measured.told
 
     def _doubts(self) -> list[tuple[float, str]]:
         """Return since when [s] something is odd about the scenario, and what."""
         if self._wiring is None:
             return []
         script, stop = self._wiring.scenario, self.system.stop
-        return [*script.beyond(stop), *doubts.of(script, self._wiring.used, stop)]
+        odd = doubts.of(script, self._wiring.used, stop)
+        return [*script.beyond(stop), *odd, *self.measured.doubts]
 
     def _connections(self) -> list[dict[str, Any]]:
         """Return source and target of each input, and what changes a value on its way."""

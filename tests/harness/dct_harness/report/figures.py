@@ -107,11 +107,11 @@ def driveline(view: View) -> Json | None:
     for clutch in CLUTCHES:
         if found := position_of(view.results, clutch):
             positions += signal_lines(view, (found, clutch, LABEL[clutch], MM))
-    speeds = signal_lines(
-        view, ("plant.engine.speed", "engine", "engine", RPM),
-        *((f"plant.{c}.speed", c, LABEL[c], RPM) for c in CLUTCHES),
-        ("plant.wheel.speed", "wheel", "wheel", RPM),
-    )  # fmt: skip
+    speeds = []
+    for part in ("engine", *CLUTCHES, "wheel"):
+        ends = (f"plant.{part}.speed", f"scenario.{part}.speed")  # the latter: of a measured drive
+        known = next((end for end in ends if end in view.results), ends[0])
+        speeds += signal_lines(view, (known, part, LABEL.get(part, part), RPM))
     panels: list[Json] = [
         {"title": "position [mm]", "traces": positions},
         {"title": "speed [rpm]", "traces": speeds, "weight": 1.4},
@@ -138,7 +138,7 @@ def torques(view: View) -> Json | None:
     panels = []
     for torque, title in TORQUE_TITLES.items():
         lines = signal_lines(
-            view, (f"plant.{torque}", "truth", "true (plant)", 1.0),
+            view, (f"plant.{torque}", "truth", view.truth, 1.0),
             (f"observer.mapBased.{torque}", "map", "map-based", 1.0),
             (f"observer.{torque}", "observer", "observer", 1.0),
         )  # fmt: skip

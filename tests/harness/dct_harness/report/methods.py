@@ -82,7 +82,7 @@ def _torques(view: View) -> Json | None:
     order = [MAP, *sorted((e for e in known if e != MAP), key=lambda e: adapts(view, e))]
     panels = []
     for torque, title in figures.TORQUE_TITLES.items():
-        wanted = [(f"plant.{torque}", "truth", "true (plant)", 1.0)]
+        wanted = [(f"plant.{torque}", "truth", view.truth, 1.0)]
         wanted += [(known[e] + torque, _role(view, e), label(view, e), 1.0)
                    for e in order if e in known]  # fmt: skip
         panels.append(_panel(view, title, torque, figures.signal_lines(view, *wanted)))

@@ -69,6 +69,12 @@ class View:
         return method
 
     @property
+    def truth(self) -> str:
+        """What the legend calls `plant.*`: a run without a plant has it from a measurement."""
+        fmus = self.run.get("fmus", {"plant": {}})
+        return "true (plant)" if "plant" in fmus else "measured"
+
+    @property
     def paper_figures(self) -> tuple[str, str] | None:
         """Numbers of the paper's torque and friction figures that this run redoes."""
         return PAPER_FIGURES.get(self.name)

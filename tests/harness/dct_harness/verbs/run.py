@@ -142,7 +142,9 @@ def judged(
             return results.from_table(*loop.table(), record, out), _judge(loop, record, out)
         unkept = frozenset(loop.names).difference(loop.kept)
         signals = dict(zip(loop.kept, results.columns(loop.rows), strict=True))
-        told = results.Results({"time": loop.times, **signals}, brief, out, unkept, loop.spacing)
+        beside = dict(zip(loop.measured.names, loop.measured.table.T, strict=True))
+        courses = {"time": loop.times, **signals, **beside}
+        told = results.Results(courses, brief, out, unkept, loop.spacing)
         return told, kpi.compute(told, brief, whole=True)
     finally:
         if loop.package is not None:
