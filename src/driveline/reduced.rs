@@ -154,6 +154,23 @@ pub struct Discrete {
     pub gamma_rise: SMatrix<f64, 3, 2>,
 }
 
+impl Discrete {
+    /// No model.
+    pub(crate) const NOTHING: Self = Self {
+        phi: zeros(),
+        gamma_u: zeros(),
+        gamma_delta: zeros(),
+        gamma_l: zeros(),
+        gamma_y: zeros(),
+        gamma_rise: zeros(),
+    };
+}
+
+/// A matrix of zeros, as a constant.
+pub(crate) const fn zeros<const R: usize, const C: usize>() -> SMatrix<f64, R, C> {
+    SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; R]; C]))
+}
+
 /// exp(M) by its series on M/2^n, squared n times; not finite where M is not.
 pub(crate) fn exponential<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     const REACH: f64 = 0.1; // REACH^10/10! < 1e-16

@@ -11,6 +11,7 @@
 //! the gains of `paper`; holding y instead of e is less exact, at 100 Hz up to five times.
 
 use crate::Params;
+use crate::observer::design::{Answers, GAINS, Method, Wanted};
 use crate::observer::friction::Friction;
 use crate::observer::instant::Instant;
 use crate::observer::lever::Lever;
@@ -18,34 +19,10 @@ use crate::observer::load::Load;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::alone;
-use crate::observer::schedule::{lowest_ratios, radius};
+use crate::observer::schedule::lowest_ratios;
 use crate::observer::standstill::held;
 use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate, within};
-use crate::reduced::{Discrete, Reduced};
-use nalgebra::{SMatrix, Vector2, Vector3};
-
-/// What a method chooses: gains for the step at hand.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Design {
-    /// L of (19), shape (3, 2).
-    pub l: SMatrix<f64, 3, 2>,
-    /// ε̂_ci' over r_ci N_i θ_mi per x̃1 and x̃2, row by row, with θ in m, shape (2, 2).
-    pub adaptation: SMatrix<f64, 2, 2>,
-}
-
-/// What the gains of a step may depend on.
-#[derive(Debug, Clone, Copy)]
-pub struct At {
-    /// The model of the gears at hand.
-    pub model: Reduced,
-    /// That of the lowest gears of Table 1, which gains are given for.
-    pub lowest: Reduced,
-    /// The clutch that carries alone, of a friction that is known or being taken: damper or force tells how its
-    /// torque moves.
-    pub told: Option<usize>,
-    /// (r_ci N_i)² of Table 1 over that at hand [1], shape (2).
-    pub radius: [f64; 2],
-}
+use nalgebra::{Vector2, Vector3};
 
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,31 +51,20 @@ pub struct Adaptive {
     pub g: [f64; 2],
     /// What tells that the inputs make no sense.
     pub monitor: Monitor,
-    /// The last two discrete models and what they were made for: derived, not part of the state. Two, since
-    /// steps of a third of a millisecond alternate between two lengths, of whole picoseconds.
-    cache: [Option<Cache>; 2],
+    /// Gains and models of the last steps: derived, not part of the state.
+    pub(super) answers: Answers,
 }
 
 /// What one sample brings.
 #[derive(Debug, Clone, Copy)]
 struct Now {
     levers: [Lever; 2],
-    model: Reduced,
-    /// a_1, a_2 of (13), shape (2).
-    a: [f64; 2],
-    design: Design,
+    /// J_v, that of a wheel which is held included [kg·m²].
+    j_v: f64,
     /// T_v [N·m].
     t_v: f64,
     /// What T_c1, T_c2 of engaged clutches rise by over the step [N·m], shape (2).
     rise: Vector2<f64>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Cache {
-    model: Reduced,
-    l: SMatrix<f64, 3, 2>,
-    h: f64,
-    discrete: Discrete,
 }
 
 impl Default for Adaptive {
@@ -116,19 +82,20 @@ impl Default for Adaptive {
             saturated: 0.0,
             g: [1.0; 2],
             monitor: Monitor::default(),
-            cache: [None; 2],
+            answers: Answers::default(),
         }
     }
 }
 
 impl Adaptive {
-    /// Starts from measurements; the estimate holds for their instant.
+    /// Starts from measurements, with what `design` makes of `gains`; the estimate holds for their instant.
     pub fn start(
         &mut self,
         p: &Params,
         settings: &Settings,
         sample: &Sample,
-        design: impl FnOnce(&At) -> Design,
+        gains: [f64; GAINS],
+        design: Method,
     ) -> Estimate {
         *self = Self {
             friction: Friction::nominal(settings.mu_n),
@@ -144,26 +111,27 @@ impl Adaptive {
         self.slip = sample.slip();
         self.lock.start(p, sample);
         self.monitor.start(p, sample);
-        let mut now = self.now(&at, design);
+        let mut now = self.now(&at, 1e-3, gains, design);
         now.t_v = self.load.step(&at, settings.load, &self.lock, 0.0);
         self.estimate(settings, &at, &now)
     }
 
-    /// Advances by `h` [s] with the gains that `design` gives.
+    /// Advances by `h` [s] with what `design` makes of `gains`.
     pub fn step(
         &mut self,
         p: &Params,
         settings: &Settings,
         sample: &Sample,
         h: f64,
-        design: impl FnOnce(&At) -> Design,
+        gains: [f64; GAINS],
+        design: Method,
     ) -> Estimate {
         if !(sample.is_finite() && h.is_finite() && h > 0.0) {
             return self.refuse();
         }
         let at = Instant::new(p, sample);
         self.follow_gears(&at);
-        let mut now = self.now(&at, design);
+        let mut now = self.now(&at, h, gains, design);
         let engaged = self.lock.engaged();
         let t_c = self.torques(settings, &now.levers).1;
         self.lock.step(&at, t_c, h);
@@ -173,8 +141,8 @@ impl Adaptive {
         }
         now.t_v = self.load.step(&at, settings.load, &self.lock, h);
         let y = self.measured(&at);
-        now.model.j_v = self.j_v(p, sample, y, now.t_v);
-        self.predict(settings, sample, &now, h);
+        now.j_v = self.j_v(p, sample, y, now.t_v);
+        self.predict(settings, sample, &now);
         self.innovation = y - self.x_hat.fixed_rows::<2>(0);
         let mu_hat = self.mu_hat(settings, &now.levers);
         let (engaged, e) = (self.lock.engaged(), self.innovation.into());
@@ -199,7 +167,7 @@ impl Adaptive {
             saturated,
             g,
             monitor,
-            cache: _,
+            answers: _,
         } = self;
         x_hat.iter_mut().for_each(&mut *visit);
         epsilon.iter_mut().for_each(&mut *visit);
@@ -215,21 +183,18 @@ impl Adaptive {
         monitor.visit(visit);
     }
 
-    fn now(&self, now: &Instant<'_>, design: impl FnOnce(&At) -> Design) -> Now {
-        let p = now.p;
-        let model = Reduced::referred_to(p, now.g, self.g[1], p.c_o);
-        let table = Params::TABLE_1;
-        let at = At {
-            model,
-            lowest: Reduced::new(&table, lowest_ratios(&table), table.c_o),
+    fn now(&mut self, now: &Instant<'_>, h: f64, gains: [f64; GAINS], design: Method) -> Now {
+        let wanted = Wanted {
+            g_ref: self.g[1],
             told: alone(now).filter(|i| self.friction.known(*i) || self.friction.taken(*i)),
-            radius: radius(p),
+            h,
+            gains,
+            design,
         };
+        self.answers.find(now, &wanted);
         Now {
             levers: [0, 1].map(|i| Lever::new(now, i)),
-            design: design(&at),
-            model,
-            a: model.a_slip(),
+            j_v: now.p.j_v,
             t_v: 0.0,
             rise: Vector2::zeros(),
         }
@@ -269,7 +234,7 @@ impl Adaptive {
     /// Deviation: the paper has no projection; it is a safety and does not act on its scenario. In a handover a
     /// clutch that slips keeps a friction that was learnt ([`Friction::adapting`]).
     fn adapt(&mut self, now: &Now, mu_n: [f64; 2], h: f64) {
-        let by = now.design.adaptation * self.innovation;
+        let by = self.answers.last().design.adaptation * self.innovation;
         let mut bounded = false;
         let pressed = now.levers.map(|lever| lever.arm > 0.0);
         let adapting = self.friction.adapting(pressed, self.lock.engaged());
@@ -294,34 +259,17 @@ impl Adaptive {
     }
 
     /// (19) over one step with the innovation held.
-    fn predict(&mut self, settings: &Settings, sample: &Sample, now: &Now, h: f64) {
+    fn predict(&mut self, settings: &Settings, sample: &Sample, now: &Now) {
         let end = self.torques(settings, &now.levers).1;
         let begin = [0, 1].map(|i| end[i] - now.rise[i]);
         let (x_hat, innovation) = (self.x_hat, self.innovation);
-        let discrete = self.discrete(&now.model, &now.design.l, h);
+        let discrete = self.answers.last_mut().discrete(now.j_v);
         self.x_hat = discrete.phi * x_hat
             + discrete.gamma_u * Vector3::new(sample.t_e, begin[0], begin[1])
             + discrete.gamma_delta * now.t_v
             + discrete.gamma_rise * now.rise
             + discrete.gamma_y * sample.t_y
             + discrete.gamma_l * innovation;
-    }
-
-    fn discrete(&mut self, model: &Reduced, l: &SMatrix<f64, 3, 2>, h: f64) -> &Discrete {
-        let fits = |cache: &Cache| (&cache.model, &cache.l, cache.h) == (model, l, h);
-        let known = self.cache.iter().position(|c| c.as_ref().is_some_and(fits));
-        if known.is_none() {
-            self.cache.swap(0, 1);
-            self.cache[0] = None;
-        }
-        let made = || Cache {
-            model: *model,
-            l: *l,
-            h,
-            discrete: model.discrete(l, h),
-        };
-        let place = &mut self.cache[known.unwrap_or(0)];
-        &place.get_or_insert_with(made).discrete
     }
 
     /// μ̂·f [N/m] and T̂_c [N·m] of (23), (24).
@@ -373,7 +321,8 @@ impl Adaptive {
     /// that lasts shows as L11 x̃1 = a_i T̃_ci, one of T_o as L22 x̃2 = b T̃_o.
     fn unexplained(&self, now: &Now) -> ([f64; 2], f64) {
         let [e1, e2]: [f64; 2] = self.innovation.into();
-        let (a, l) = (now.a, now.design.l);
+        let answer = self.answers.last();
+        let (a, l, model) = (&answer.a, &answer.design.l, answer.model(now.j_v));
         let t_c = [0, 1].map(|i| {
             if now.levers[i].arm > 0.0 {
                 (l[(0, 0)] * e1 / a[i]).abs()
@@ -381,7 +330,7 @@ impl Adaptive {
                 0.0
             }
         });
-        (t_c, (l[(1, 1)] * e2 / now.model.b_coupling()).abs())
+        (t_c, (l[(1, 1)] * e2 / model.b_coupling()).abs())
     }
 }
 

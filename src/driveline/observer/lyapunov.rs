@@ -44,7 +44,8 @@
 //! and z falls as the drive shaft itself would: the slowest pole is at −1.2 to −7 1/s in every pair of lower gears of the presets.
 
 use crate::Params;
-use crate::observer::adaptive::{Adaptive, At, Design};
+use crate::observer::adaptive::Adaptive;
+use crate::observer::design::{At, Design, GAINS};
 use crate::observer::schedule::{paced, scaled};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use crate::reduced::Reduced;
@@ -148,12 +149,37 @@ pub struct Lyapunov {
     pub core: Adaptive,
 }
 
-/// Gains for a step `h` [s].
-fn design(settings: &Settings, h: f64, at: &At) -> Design {
-    let gains = if settings.scheduled {
+/// Gains for a step `h` [s], where nothing is known of the gears yet.
+fn at_step(settings: &Settings, h: f64) -> Gains {
+    if settings.scheduled {
         settings.lyapunov.at_step(h)
     } else {
         settings.lyapunov
+    }
+}
+
+impl Gains {
+    /// All of them, as a question.
+    const fn numbers(&self) -> [f64; GAINS] {
+        let Gains {
+            l_11,
+            l_22,
+            l_c: [one, two],
+            p_2,
+            p_3,
+        } = *self;
+        [l_11, l_22, one, two, p_2, p_3]
+    }
+}
+
+/// What becomes of gains for a step where gears and vehicle are those `at` hand.
+fn design([l_11, l_22, one, two, p_2, p_3]: [f64; GAINS], at: &At, _: f64) -> Design {
+    let gains = Gains {
+        l_11,
+        l_22,
+        l_c: [one, two],
+        p_2,
+        p_3,
     };
     Design {
         l: gains.l(&at.model),
@@ -163,13 +189,15 @@ fn design(settings: &Settings, h: f64, at: &At) -> Design {
 
 impl Observer for Lyapunov {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let design = |at: &_| design(settings, 1e-3, at);
-        self.core.start(p, settings, sample, design)
+        let gains = at_step(settings, 1e-3);
+        self.core
+            .start(p, settings, sample, gains.numbers(), design)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let design = |at: &_| design(settings, h, at);
-        self.core.step(p, settings, sample, h, design)
+        let gains = at_step(settings, h);
+        self.core
+            .step(p, settings, sample, h, gains.numbers(), design)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -181,7 +209,7 @@ impl Observer for Lyapunov {
 mod tests {
     use super::{Gains, j_w, meeting, pace};
     use crate::Params;
-    use crate::observer::adaptive::At;
+    use crate::observer::design::At;
     use crate::observer::poles;
     use crate::observer::schedule::{lowest_ratios, paced, radius};
     use crate::reduced::Reduced;

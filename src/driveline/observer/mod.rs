@@ -20,6 +20,7 @@ mod calibrating_model;
 pub mod calibration;
 mod carry;
 pub mod damper;
+pub mod design;
 pub mod encoder;
 pub mod energy;
 mod filter;

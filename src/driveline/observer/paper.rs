@@ -33,7 +33,8 @@
 //! ```
 
 use crate::Params;
-use crate::observer::adaptive::{Adaptive, At, Design};
+use crate::observer::adaptive::Adaptive;
+use crate::observer::design::{At, Design, GAINS};
 use crate::observer::schedule::{paced, scaled};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use crate::reduced::Reduced;
@@ -159,14 +160,31 @@ pub struct Paper {
     pub core: Adaptive,
 }
 
-/// Gains for a step `h` [s].
-fn design(settings: &Settings, h: f64, at: &At) -> Design {
-    let gains = if settings.scheduled {
+/// Gains for a step `h` [s], where nothing is known of the gears yet.
+fn at_step(settings: &Settings, h: f64) -> Gains {
+    if settings.scheduled {
         settings.gains.at_step(h)
     } else {
         settings.gains
-    };
-    let gains = gains.in_gear(at, h);
+    }
+}
+
+impl Gains {
+    /// All of them, as a question.
+    const fn numbers(&self) -> [f64; GAINS] {
+        let Gains {
+            l_11,
+            l_22,
+            l_c: [one, two],
+        } = *self;
+        [l_11, l_22, one, two, 0.0, 0.0]
+    }
+}
+
+/// What becomes of gains for a step `h` [s] where gears, vehicle and clutches are those `at` hand.
+fn design([l_11, l_22, one, two, ..]: [f64; GAINS], at: &At, h: f64) -> Design {
+    let l_c = [one, two];
+    let gains = Gains { l_11, l_22, l_c }.in_gear(at, h);
     Design {
         l: gains.l(&at.model),
         adaptation: gains.adaptation(at),
@@ -175,13 +193,15 @@ fn design(settings: &Settings, h: f64, at: &At) -> Design {
 
 impl Observer for Paper {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let design = |at: &_| design(settings, 1e-3, at);
-        self.core.start(p, settings, sample, design)
+        let gains = at_step(settings, 1e-3);
+        self.core
+            .start(p, settings, sample, gains.numbers(), design)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let design = |at: &_| design(settings, h, at);
-        self.core.step(p, settings, sample, h, design)
+        let gains = at_step(settings, h);
+        self.core
+            .step(p, settings, sample, h, gains.numbers(), design)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -193,7 +213,7 @@ impl Observer for Paper {
 mod tests {
     use super::{Gains, HELD};
     use crate::Params;
-    use crate::observer::adaptive::At;
+    use crate::observer::design::At;
     use crate::observer::poles;
     use crate::observer::schedule::{lowest_ratios, radius};
     use crate::reduced::Reduced;
