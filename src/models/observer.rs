@@ -68,6 +68,8 @@ impl Observer {
 
 impl Observer {
     /// Logs what changed since an estimate that was `valid` with clutches `engaged`, shape (2).
+    #[cold]
+    #[inline(never)]
     fn tell(&self, valid: bool, engaged: [bool; 2], time: f64, log: &mut Log<'_>) {
         if let Some(fault) = self.y.fault.filter(|_| valid) {
             log.warning(format_args!(
@@ -92,6 +94,7 @@ impl Observer {
 }
 
 /// Logs encoders that were recognised, or no longer are, since `before`; ticks of ω_e, ω_c1, ω_c2, ω_w [1], shape (4).
+#[inline(never)] // most speeds are not counted
 fn tell_ticks(before: [f64; 4], now: [f64; 4], time: f64, log: &mut Log<'_>) {
     let time = Seconds(time);
     let changed = |sensor: &usize| before[*sensor] != now[*sensor];
@@ -147,11 +150,16 @@ impl Model for Observer {
         check_step(step, table::LONGEST_STEP)?;
         self.take_settings();
         let Estimate { valid, engaged, .. } = self.y;
-        let ticks = self.state.recognised_ticks();
+        let counted = self.state.may_count();
+        let ticks = counted.then(|| self.state.recognised_ticks());
         self.y = self.state.step(&self.p, &self.settings, &self.u, step);
         self.phase = self.y.phase as i32;
-        self.tell(valid, engaged, time + step, log);
-        tell_ticks(ticks, self.state.recognised_ticks(), time + step, log);
+        if valid && !self.y.valid || engaged != self.y.engaged {
+            self.tell(valid, engaged, time + step, log);
+        }
+        if let Some(ticks) = ticks {
+            tell_ticks(ticks, self.state.recognised_ticks(), time + step, log);
+        }
         Ok(())
     }
 

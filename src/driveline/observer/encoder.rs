@@ -202,9 +202,25 @@ impl Encoders {
         h: f64,
     ) -> Option<(Sample, Settings)> {
         let told = settings.encoder.iter().any(|ticks| *ticks > 0.0);
-        if !told && self.ticks.iter().all(Ticks::is_none) {
-            return None;
+        if told || self.may_count() {
+            self.count(settings, sample, h)
+        } else {
+            None
         }
+    }
+
+    /// Some speed may be counted by ticks that it tells itself.
+    pub fn may_count(&self) -> bool {
+        !self.ticks.iter().all(Ticks::is_none)
+    }
+
+    #[inline(never)] // most speeds are not counted
+    fn count(
+        &mut self,
+        settings: &Settings,
+        sample: &Sample,
+        h: f64,
+    ) -> Option<(Sample, Settings)> {
         let usable = sample.is_finite() && h.is_finite() && h > 0.0;
         if !usable {
             return None;

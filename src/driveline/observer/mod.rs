@@ -97,6 +97,7 @@ impl Sample {
     }
 
     /// Every measurement is a number; only such a sample may enter an observer.
+    #[inline(never)] // asked in several places, of which one is in the cache then
     pub fn is_finite(&self) -> bool {
         let [one, two] = self.actuation;
         let real = [

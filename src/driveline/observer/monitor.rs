@@ -86,6 +86,8 @@ pub struct Monitor {
 
 impl Monitor {
     /// Begins to watch at a sample.
+    #[cold]
+    #[inline(never)]
     pub fn start(&mut self, p: &Params, sample: &Sample) {
         *self = Self {
             last: speeds(sample),

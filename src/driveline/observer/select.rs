@@ -62,6 +62,11 @@ impl Selected {
         self.inputs.encoders.recognised()
     }
 
+    /// Whether a step may recognise ticks, or find that what it took for ticks is none.
+    pub fn may_count(&self) -> bool {
+        self.inputs.encoders.may_count()
+    }
+
     fn parts(&mut self) -> (&mut Inputs, &mut dyn Observer) {
         let acting: &mut dyn Observer = match self.method {
             Method::Paper => &mut self.paper,
@@ -142,7 +147,7 @@ impl Inputs {
         };
         let sample = self.shift.step(p, sample, h);
         if p.gears_add_inertia() {
-            acting.step(&p.in_gears(sample.gear), settings, &sample, h)
+            step_in_gears(acting, p, settings, &sample, h)
         } else {
             acting.step(p, settings, &sample, h)
         }
@@ -154,4 +159,16 @@ impl Inputs {
         encoders.visit(visit);
         shift.visit(visit);
     }
+}
+
+/// The vehicle is large: it has a place of its own only where it is another one.
+#[inline(never)]
+fn step_in_gears(
+    acting: &mut dyn Observer,
+    p: &Params,
+    settings: &Settings,
+    sample: &Sample,
+    h: f64,
+) -> Estimate {
+    acting.step(&p.in_gears(sample.gear), settings, sample, h)
 }
