@@ -1,6 +1,6 @@
 //! Gains and model over a step of `paper` and `lyapunov`: kept while what they follow from stays.
 //!
-//! A step asks for them with numbers alone ([`Question`]). They change with a gear, with a parameter or gain that is
+//! A step asks for them with numbers alone (`Question`). They change with a gear, with a parameter or gain that is
 //! set, with the step, and with what is known of a clutch; in between, to find them anew would cost more than the rest of
 //! the observer. Numbers are compared bit by bit, so what is kept is what would be found.
 
