@@ -106,11 +106,12 @@ class Run:
 
     def _wire(self) -> Wiring:
         """Lay out scenario signals, noise and outputs in one vector, and where inputs read it."""
-        wired = self._wiring = self.wirings.of(self.system, self.fmus)
+        wired = self.wirings.of(self.system, self.fmus)
         self.times, self.sources, self.transforms = wired.times, wired.sources, wired.transforms
         self.measured = Measured(wired.scenario, self.fmus, self.times)
         outputs = wired.outputs
         self.noise = Noise(self.system, self.sources, {n: wired.types[n] for n in outputs})
+        self._wiring = wired
         self.script = wired.script
         if self.noise.names:
             self.script = np.hstack([self.script, self.noise.samples(len(self.times))])
