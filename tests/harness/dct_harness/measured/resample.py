@@ -63,9 +63,10 @@ def _shared(channels: list[Channel]) -> np.ndarray:
     axis = channels[0].time
     for channel in channels:
         if not np.array_equal(channel.time, axis):
+            first = instant(np.setxor1d(channel.time, axis)[0])
             raise ConfigError(
-                f"'{channel.name}' is sampled at other times than '{channels[0].name}'; "
-                "give --step to resample"
+                f"'{channel.name}' is sampled at other times than '{channels[0].name}'; give "
+                f"--step to resample (t = {first} s is of one of them only)"
             )
     return axis
 

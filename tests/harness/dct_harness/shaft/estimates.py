@@ -26,13 +26,15 @@ from functools import partial
 
 import numpy as np
 
-from ..errors import ConfigError
+from ..errors import ConfigError, instant
 from ..kpi.filters import low_pass
 
 METHODS = ("paper", "prefilter", "iv")
 CUTOFF = 8.0  # Hz of the prefilter: above the shaft's own 2 Hz, below most of the noise
 NEIGHBOURS = 0.02  # s on either side of a sample whose mean is its instrument
 LEAST = 20  # samples that a fit needs
+EVEN = 1e-3  # of the step: steps that differ by less are one
+BLIND = 1e9  # condition of the regressors from which on rounding decides: nothing moves them
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,8 @@ def identify(
     Raises
     ------
     ConfigError
-        Steps differ, T_o does not build up, or the window holds too few rows.
+        Steps differ, T_o does not build up, the window holds too few rows, or its speeds or torque
+        stand still.
     """
     step = _step(time)
     inside = _rows(time, torque, window)
@@ -98,6 +101,7 @@ def identify(
     if method == "iv":
         z[:, 1] = _neighbours(rate, max(1, round(NEIGHBOURS / step)))
     z *= inside[:, None]
+    _check_moves(x[inside], torque[inside], time[inside])
     inverse = np.linalg.inv(z.T @ x)
     beta = inverse @ z.T @ torque
     errors = _errors(inverse @ z.T, beta, noise, step, through)
@@ -118,12 +122,29 @@ def _regressors(rate: np.ndarray, step: float, offset: bool) -> np.ndarray:
 def _step(time: np.ndarray) -> float:
     steps = np.diff(time)
     step = float(np.median(steps)) if len(steps) else 0.0
-    if len(time) < LEAST or np.abs(steps - step).max() > 1e-3 * step:
+    if len(time) < LEAST:
+        raise ConfigError(f"the data have {len(time)} rows; a fit needs {LEAST}")
+    others = np.flatnonzero(np.abs(steps - step) > EVEN * step)
+    if others.size:
+        k, usual = others[0], instant(step)
         raise ConfigError(
-            f"the data have {len(time)} rows or steps that differ; resample them with "
-            "`dct-harness convert DATA OUT --step 0.001`"
+            f"after t = {instant(time[k])} s comes a step of {instant(steps[k])} s, most are "
+            f"{usual} s; give --step {usual} to resample"
         )
     return step
+
+
+def _check_moves(x: np.ndarray, torque: np.ndarray, time: np.ndarray) -> None:
+    """Refuse rows in which nothing moves that stiffness and damping could be seen by."""
+    span = f"from t = {instant(time[0])} s to {instant(time[-1])} s"
+    if not np.ptp(torque):
+        raise ConfigError(f"the torque stays {torque[0]:g} N·m {span}: nothing to find")
+    sizes = np.sqrt(np.square(x).sum(axis=0))
+    if not sizes.all() or np.linalg.cond(x / sizes) > BLIND:
+        raise ConfigError(
+            f"the speeds show no twist of the shaft that changes {span}; check the speed signals, "
+            "or take another --start"
+        )
 
 
 def _rows(time: np.ndarray, torque: np.ndarray, window: Window) -> np.ndarray:

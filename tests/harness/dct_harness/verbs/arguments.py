@@ -66,6 +66,16 @@ def seconds(text: str) -> float:
     return _checked(text, lambda value: value > 0, "a time greater than 0 s")
 
 
+def moment(text: str) -> float:
+    """Read a finite time [s]."""
+    return _checked(text, lambda _: True, "a time")
+
+
+def ratio(text: str) -> float:
+    """Read a ratio [1] above 0."""
+    return _checked(text, lambda value: value > 0, "a ratio above 0")
+
+
 def patience(text: str) -> float:
     """Read how long [s] to wait for a call; more than three weeks are three weeks."""
     return min(seconds(text), WEEKS)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from .. import formats, measured
 from ..errors import ConfigError, did_you_mean, instant
-from .arguments import Verbs, add_loudness, say, seconds, verb
+from .arguments import Verbs, add_loudness, moment, say, seconds, verb
 
 EXAMPLES = """convert target/results/paper_case1 case1.mf4
 convert results.parquet results.csv --only 'plant.clutch*' --step 0.01
@@ -29,20 +28,9 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--map", type=Path, metavar="FILE", help=MAP_HELP)
     parser.add_argument("--only", action="append", default=[], metavar="GLOB", help="names to keep")
     parser.add_argument("--step", type=seconds, metavar="SECONDS", help="resample to this step")
-    parser.add_argument("--start", type=_time, metavar="T", help="from this time [s], new time 0")
-    parser.add_argument("--stop", type=_time, metavar="T", help="up to this time [s]")
+    parser.add_argument("--start", type=moment, metavar="T", help="from this time [s], new time 0")
+    parser.add_argument("--stop", type=moment, metavar="T", help="up to this time [s]")
     add_loudness(parser, "file, signals and samples")
-
-
-def _time(text: str) -> float:
-    """Read a finite time [s]."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a time")
-    return value
 
 
 def _without_units(channels: list[measured.Channel]) -> list[measured.Channel]:

@@ -10,20 +10,25 @@ from pathlib import Path
 import numpy as np
 
 from .. import measured, shaft
-from ..errors import ConfigError, did_you_mean
+from ..errors import ConfigError, did_you_mean, instant
 from ..kpi.typography import minus
-from .arguments import Verbs, add_loudness, amount, say, seconds, verb
+from ..units import find
+from .arguments import Verbs, add_loudness, amount, moment, ratio, say, seconds, verb
 
 EXAMPLES = """identify launch.csv
-identify drive.mf4 --map names.toml --ratio 11.52 --start 12.5
+identify drive.mf4 --map names.toml --ratio 11.52 --start 12.5 --step 0.001
 identify target/results/paper_case1 --json"""
 MAP_HELP = "TOML: [[signals]] with from, to and unit, as for `convert`"
 RATIO_HELP = "total ratio from the clutch speed to the wheel (%(default)s)"
 NAME_HELP = "signal, also behind a component's name (%(default)s)"
+STEP_HELP = "resample to this step, where signals have times of their own"
 LENGTH_HELP = "from the built-up torque on (%(default)s); if long, offsets of the speeds add up"
 TORQUE_HELP = "|T_o| [N·m] from which rows count (%(default)s): past the backlash"
 NAMES = {"clutch_speed": "clutch2.speed", "wheel_speed": "wheel.speed",
          "torque": "driveShaft.torque"}  # fmt: skip
+UNITS = {"clutch_speed": "rad/s", "wheel_speed": "rad/s", "torque": "N.m"}
+SHOWN = 8  # signals of a file in a sentence
+LARGEST = 1e9  # rad/s, N·m: beyond it a value is no measurement, and its square soon no number
 INPUTS = {"clutch_speed": "clutch speed, or a ratio {} too low", "wheel_speed": "wheel speed",
           "torque": "torque"}  # fmt: skip
 HIGH = 0.01  # by how much an input is read too high, to see what that does
@@ -47,23 +52,16 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("source", type=Path, help="result directory or file (.csv, .parquet, .mf4)")
     parser.add_argument("--map", type=Path, metavar="FILE", help=MAP_HELP)
     option = parser.add_argument
-    option("--ratio", type=_positive, default=shaft.TABLE_1.ratios[1], metavar="G", help=RATIO_HELP)
+    option("--ratio", type=ratio, default=shaft.TABLE_1.ratios[1], metavar="G", help=RATIO_HELP)
     for key, name in NAMES.items():
         option(f"--{key.replace('_', '-')}", default=name, metavar="NAME", help=NAME_HELP)
+    option("--step", type=seconds, metavar="SECONDS", help=STEP_HELP)
     window = shaft.Window()
-    option(
-        "--start", type=float, default=window.start, metavar="T", help="not before this time [s]"
-    )
+    option("--start", type=moment, default=window.start, metavar="T",
+           help="not before this time [s]")  # fmt: skip
     option("--length", type=seconds, default=window.length, metavar="SECONDS", help=LENGTH_HELP)
     option("--built-up", type=amount, default=window.built_up, metavar="TORQUE", help=TORQUE_HELP)
     add_loudness(parser, "what each method finds")
-
-
-def _positive(text: str) -> float:
-    value = amount(text)
-    if value == 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a ratio above 0")
-    return value
 
 
 def identify(args: argparse.Namespace) -> int:
@@ -71,8 +69,8 @@ def identify(args: argparse.Namespace) -> int:
     channels = measured.read(args.source)
     if args.map:
         channels = measured.Mapping.load(args.map).apply(channels)
-    chosen = [_channel(channels, getattr(args, option), args.source) for option in NAMES]
-    rows = measured.common(chosen, None, None, None).rows
+    chosen = [_channel(channels, option, getattr(args, option), args.source) for option in NAMES]
+    rows = measured.common(chosen, args.step, None, None).rows
     window = shaft.Window(args.built_up, args.length, args.start)
     fits = _fits(rows, args.ratio, window)
     ratios = f"the speeds end there as {_ratio(rows, fits[0]):.4g} : 1, --ratio is {args.ratio:g}"
@@ -113,9 +111,13 @@ def _doubt(fit: shaft.Fit, moves: dict[str, Moves]) -> str:
     whole = {"stiffness": fit.stiffness.value, "damping": fit.damping.value}
     for name, label in INPUTS.items():
         percents = (100 * moves[name][key] / (value or math.nan) for key, value in whole.items())
-        k, c = (minus(f"{percent:+.2g} %") for percent in percents)
+        k, c = (minus(f"{_two_digits(percent)} %") for percent in percents)
         lines.append(f"  {label.format(share):42} k_o {k:>8}  c_o {c:>8}")
     return "\n".join(lines)
+
+
+def _two_digits(percent: float) -> str:
+    return f"{percent:+.0f}" if abs(percent) >= 99.5 else f"{percent:+.2g}"
 
 
 def _ratio(rows: np.ndarray, fit: shaft.Fit) -> float:
@@ -136,14 +138,40 @@ def _check(fits: list[shaft.Fit], ratios: str) -> None:
             )
 
 
-def _channel(channels: list[measured.Channel], name: str, source: Path) -> measured.Channel:
-    """Return the channel of a name, alone or as `plant.<name>`, `<component>.<name>`."""
-    named = {c.name: c for c in channels}
-    behind = [n for n in named if n.endswith(f".{name}") and n.count(".") == name.count(".") + 1]
+def _channel(
+    channels: list[measured.Channel], option: str, name: str, source: Path
+) -> measured.Channel:
+    """Return the channel of a name, also behind a component's, in its SI unit."""
+    names = [channel.name for channel in channels]
+    behind = [n for n in names if n.endswith(f".{name}") and n.count(".") == name.count(".") + 1]
     for candidate in (name, f"plant.{name}", *(behind if len(behind) == 1 else ())):
-        if candidate in named:
-            return named[candidate]
-    raise ConfigError(f"{source}: no signal '{name}'.{did_you_mean(name, named)}")
+        if names.count(candidate) > 1:
+            raise ConfigError(f"{source}: two signals are called '{candidate}'; rename one")
+        if candidate in names:
+            return _in_si(channels[names.index(candidate)], UNITS[option], source)
+    more = ", …" if len(names) > SHOWN else ""
+    hint = did_you_mean(name, names) or f" There are {', '.join(names[:SHOWN])}{more}."
+    other = f" --{option.replace('_', '-')} names another."
+    raise ConfigError(f"{source}: no signal '{name}'.{hint}{other}")
+
+
+def _in_si(channel: measured.Channel, wanted: str, source: Path) -> measured.Channel:
+    """Return a channel in its SI unit; refuse other units, and values that nobody measured."""
+    (found,), strange = measured.in_si([channel])
+    unit, plain = find(channel.unit), find(wanted)
+    if strange or (channel.unit and unit and plain and unit.exponents != plain.exponents):
+        raise ConfigError(
+            f"{source}: '{channel.name}' is in '{channel.unit}', which is no unit of [{wanted}]: "
+            "a --map file can say unit, or factor and offset"
+        )
+    bad = np.flatnonzero(~(np.abs(found.values) <= LARGEST))
+    if bad.size:
+        value, time = found.values[bad[0]], found.time[bad[0]]
+        raise ConfigError(
+            f"{source}: '{channel.name}' is {value:g} {wanted} at t = {instant(time)} s: leave "
+            "such samples empty and give --step"
+        )
+    return found
 
 
 def table(fits: list[shaft.Fit], ratios: str) -> str:
@@ -155,6 +183,4 @@ def table(fits: list[shaft.Fit], ratios: str) -> str:
     for fit in fits:
         k, c = (f"{e.value:.5g} ± {e.error:.2g}" for e in (fit.stiffness, fit.damping))
         lines.append(f"{fit.method:10} {k:>18} {c:>18} {fit.r_squared:9.5f}  {REMARKS[fit.method]}")
-    if not np.isfinite([fit.r_squared for fit in fits]).all():
-        raise ConfigError("the torque does not vary within the window: nothing to find")
     return "\n".join(lines)
