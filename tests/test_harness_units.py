@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 from dct_harness import results
-from dct_harness.units import KNOWN, Unit, conversion, declared
+from dct_harness.units import KNOWN, Unit, conversion, declared, find
+from fmpy import read_model_description
 from fmpy.model_description import BaseUnit, ModelDescription, ScalarVariable, SimpleType
 from fmpy.model_description import Unit as FmiUnit
 from harness_fixture.lag_fmu import LAG, run, variable, write_fmu, write_system
+from importer_cases import FMUS
 
 
 @pytest.mark.parametrize(("unit", "value", "si", "in_si"), [
@@ -25,12 +27,28 @@ from harness_fixture.lag_fmu import LAG, run, variable, write_fmu, write_system
     ("kN.m", 0.25, "N.m", 250.0),
     ("deg", 180.0, "rad", math.pi),
     ("kW", 1.5, "W", 1500.0),
+    ("N/mm", 2.0, "N/m", 2000.0),
 ])  # fmt: skip
 def test_values_become_si_and_come_back(unit: str, value: float, si: str, in_si: float) -> None:
     a, b = conversion(KNOWN[unit], KNOWN[si])
     assert a * value + b == pytest.approx(in_si, rel=1e-14, abs=1e-12)
     a, b = conversion(KNOWN[si], KNOWN[unit])
     assert a * in_si + b == pytest.approx(value, rel=1e-14, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["DctPlant", "DctObserver", "DctClutchControl"])
+def test_units_of_our_own_signals_are_known(name: str) -> None:
+    """By their names alone, as a file of results tells them, and what tools show."""
+    described = read_model_description(str(FMUS / f"{name}.fmu"))
+    ours = {unit.name: unit for unit in described.unitDefinitions}
+    signals = [v for v in described.modelVariables if v.causality in {"input", "output"} and v.unit]
+    assert signals
+    for signal in signals:
+        named, (stated, base) = find(signal.unit), declared(described, signal)
+        assert named is not None, stated
+        assert conversion(named, base) == (1.0, 0.0)
+        for shown in ours[signal.unit].displayUnits:
+            assert find(shown.name) is not None, shown.name
 
 
 @pytest.mark.parametrize(("source", "target", "said"), [

@@ -38,7 +38,7 @@ const POWER: Exponents = mechanical(1, 2, -3, 0);
 const TEMPERATURE: Exponents = thermal(0, 0, 0, 1);
 
 /// Name, exponents, factor to SI.
-const KNOWN: [(&str, Exponents, f64); 56] = [
+const KNOWN: [(&str, Exponents, f64); 59] = [
     ("1", NUMBER, 1.0),
     ("-", NUMBER, 1.0),
     ("%", NUMBER, 0.01),
@@ -76,6 +76,9 @@ const KNOWN: [(&str, Exponents, f64); 56] = [
     ("N*m", TORQUE, 1.0),
     ("kN.m", TORQUE, 1e3),
     ("kNm", TORQUE, 1e3),
+    ("N/m", mechanical(1, 0, -2, 0), 1.0),
+    ("N/mm", mechanical(1, 0, -2, 0), 1e3),
+    ("1/s", mechanical(0, 0, -1, 0), 1.0),
     ("N.m/rad", STIFFNESS, 1.0),
     ("kN.m/rad", STIFFNESS, 1e3),
     ("N.m.s/rad", mechanical(1, 2, -1, -1), 1.0),

@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 
 from . import formats
-from .errors import ConfigError, did_you_mean
+from .errors import ConfigError, did_you_mean, instant
 
 RESULTS_CSV = "results.csv"
 RUN_JSON = "run.json"
+AGAIN = "make it again with `dct-harness run`"
 BLOCK = 512  # rows
 
 
@@ -145,9 +146,8 @@ def load(directory: str | Path) -> Results:
     path = find(directory)
     if not (directory / RUN_JSON).is_file():
         raise ConfigError(f"{directory}: no {RUN_JSON}; make it with `dct-harness run`")
-    table = formats.read(path)
-    run = json.loads((directory / RUN_JSON).read_text(encoding="utf-8"))
-    return from_table(table.names, table.rows, run, directory)
+    table = _read(path)
+    return from_table(table.names, table.rows, read_json(directory / RUN_JSON), directory)
 
 
 def load_any(path: str | Path) -> Results:
@@ -155,9 +155,41 @@ def load_any(path: str | Path) -> Results:
     path = Path(path)
     if path.is_dir() or not path.suffix:
         return load(path)
-    table = formats.read(path)
+    table = _read(path)
     signals = {n: {"unit": table.units.get(n, ""), "type": "Real"} for n in table.names}
     return from_table(table.names, table.rows, {"signals": signals}, path)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Read a file of a result directory.
+
+    Raises
+    ------
+    ConfigError
+        It is cut, or holds something else.
+    """
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ConfigError(f"{path}: is not valid JSON: {error}; {AGAIN}") from None
+    if not isinstance(found, dict):
+        raise ConfigError(f"{path}: is no JSON object; {AGAIN}")
+    return found
+
+
+def _read(path: Path) -> formats.Table:
+    """Read results: at least one sample, and time does not go back."""
+    table = formats.read(path)
+    time = table.rows[:, 0]
+    if not time.size:
+        raise ConfigError(f"{path}: holds no sample; {AGAIN}")
+    bad = np.flatnonzero(~(np.diff(time, prepend=-np.inf) >= 0))
+    if bad.size:
+        k = int(bad[0])
+        after = f" after {instant(time[k - 1])} s" if k else ""
+        told = f"time is {time[k]:g} s{after} in sample {k + 1}; it must not fall"
+        raise ConfigError(f"{path}: {told}")
+    return table
 
 
 def from_table(names: list[str], rows: np.ndarray, run: dict[str, Any], directory: Path) -> Results:

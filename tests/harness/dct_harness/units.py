@@ -65,6 +65,7 @@ _LIST = (
     _unit("kg", kg=1), _unit("t", 1e3, kg=1), _unit("kg.m2", kg=1, m=2),
     _unit("N", kg=1, m=1, s=-2), _unit("kN", 1e3, kg=1, m=1, s=-2),
     _torque("N.m"), _torque("Nm"), _torque("N*m"), _torque("kN.m", 1e3), _torque("kNm", 1e3),
+    _unit("N/m", kg=1, s=-2), _unit("N/mm", 1e3, kg=1, s=-2), _unit("1/s", s=-1),
     _unit("N.m/rad", kg=1, m=2, s=-2, rad=-1), _unit("kN.m/rad", 1e3, kg=1, m=2, s=-2, rad=-1),
     _unit("N.m.s/rad", kg=1, m=2, s=-1, rad=-1),
     _unit("Pa", kg=1, m=-1, s=-2), _unit("kPa", 1e3, kg=1, m=-1, s=-2),

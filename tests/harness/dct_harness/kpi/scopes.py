@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ConfigError
-from ..results import Results
+from ..results import Results, read_json
 
 SCENARIO = "scenario"
 Samples = np.ndarray | slice  # which ones: a mask of shape (n,), or all from one to another
@@ -44,7 +43,7 @@ def load_phases(results: Results, run: dict[str, Any]) -> list[Phase]:
             return read_phases(path)
     stored = results.path / "kpis.json" if results.path else None
     if stored and stored.is_file():
-        kpis = json.loads(stored.read_text(encoding="utf-8"))
+        kpis = read_json(stored)
         return [Phase(**phase) for phase in kpis.get("phases", [])]
     return []
 

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from .. import kpi
+from ..errors import ConfigError
 from ..kpi import limits, tracking
 from ..kpi.estimation import OBSERVER
 from ..kpi.scopes import STATES, clutch_state
-from ..results import Results
+from ..results import AGAIN, RUN_JSON, Results
 from ..results import load as load_results
 
+NEEDED = ("system", "step", "stop", "status")  # of run.json, by the page
 PAPER_FIGURES = {
     f"{system}_case{case}": figures
     for case, figures in ((1, ("10", "11")), (2, ("12", "13"))) for system in ("paper", "methods")
@@ -125,9 +127,16 @@ def load(run_dirs: Sequence[str | Path]) -> list[View]:
     views: list[View] = []
     for directory in run_dirs:
         results = load_results(directory)
+        _check(Path(directory) / RUN_JSON, results.run)
         base = re.sub(r"[^a-z0-9]+", "-", Path(directory).name.lower()).strip("-") or "run"
         views.append(View(results, kpi.compute(results, results.run), f"{len(views) + 1}-{base}"))
     return views
+
+
+def _check(path: Path, run: dict[str, Any]) -> None:
+    missing = [key for key in NEEDED if key not in run]
+    if missing:
+        raise ConfigError(f"{path}: has no '{missing[0]}'; {AGAIN}")
 
 
 def pairs(views: list[View]) -> list[Pair]:

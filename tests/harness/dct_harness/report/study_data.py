@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from ..errors import ConfigError
 from ..kpi import registry
 from ..kpi.registry import Kpi
+from ..results import read_json
 from ..sweep.store import GOOD, PLAN, course_file, read_rows
 
 Json = dict[str, Any]
@@ -82,7 +82,7 @@ class StudyData:
         ConfigError
             It holds no study with rows.
         """
-        plan: Json = json.loads((folder / PLAN).read_text(encoding="utf-8"))
+        plan: Json = read_json(folder / PLAN)
         rows = [row for _, row in sorted(read_rows(folder).items())]
         if not rows:
             raise ConfigError(f"{folder}: holds no run yet; make them with `dct-harness sweep`")
