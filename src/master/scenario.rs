@@ -76,11 +76,7 @@ impl Scenario {
         let header = lines
             .next()
             .map_or("", |(_, line)| line.trim_start_matches('\u{feff}'));
-        let mut names = csv::names(header).into_iter();
-        if names.next().as_deref() != Some("time") {
-            return Err((1, "the first column must be 'time'".into()));
-        }
-        let names: Vec<_> = names.collect();
+        let names = signals(csv::names(header)).map_err(|what| (1, what))?;
         let mut scenario = Self {
             path: PathBuf::new(),
             time: vec![],
@@ -97,22 +93,20 @@ impl Scenario {
     }
 
     fn push(&mut self, row: &str) -> Result<(), String> {
-        let cells: Result<Vec<f64>, _> = row.split(',').map(|cell| cell.trim().parse()).collect();
-        let cells = cells.map_err(|error| format!("{error}: {row}"))?;
-        let [time, values @ ..] = cells.as_slice() else {
-            return Err("is empty".into());
+        let cells: Vec<_> = row.split(',').map(str::trim).collect();
+        let (found, wanted) = (cells.len(), self.names.len() + 1);
+        let (Some((time, values)), true) = (cells.split_first(), found == wanted) else {
+            return Err(format!("has {found} cells, the header has {wanted}"));
         };
-        if values.len() != self.names.len() || cells.iter().any(|cell| !cell.is_finite()) {
-            return Err(format!("needs {} finite numbers", self.names.len() + 1));
+        let time = number("time", time)?;
+        if let Some(last) = self.time.last().filter(|last| **last >= time) {
+            return Err(format!("time {time} does not increase (before it: {last})"));
         }
-        if self.time.last().is_some_and(|last| last >= time) {
-            return Err(format!("time {time} does not increase"));
-        }
-        self.time.push(*time);
-        self.columns
-            .iter_mut()
-            .zip(values)
-            .for_each(|(column, value)| column.push(*value));
+        let cells = self.names.iter().zip(values);
+        let values: Result<Vec<_>, _> = cells.map(|(name, cell)| number(name, cell)).collect();
+        self.time.push(time);
+        let columns = self.columns.iter_mut().zip(values?);
+        columns.for_each(|(column, value)| column.push(value));
         Ok(())
     }
 
@@ -178,6 +172,29 @@ impl Scenario {
     }
 }
 
+/// The signals of a heading whose first column is the time.
+fn signals(mut names: Vec<String>) -> Result<Vec<String>, String> {
+    let twice = |name: &&String| names.iter().filter(|other| other == name).count() > 1;
+    if names.first().is_none_or(|first| first != "time") {
+        let first = names.first().map_or("", String::as_str);
+        return Err(format!(
+            "the first column must be 'time' [s], not '{first}'; columns are separated by commas: \
+             `dct-harness convert` does that, decimal commas too"
+        ));
+    }
+    if let Some(name) = names.iter().find(|name| name.is_empty() || twice(name)) {
+        return Err(format!("column name '{name}' is empty or used twice"));
+    }
+    names.remove(0);
+    Ok(names)
+}
+
+/// A finite number in a column.
+fn number(name: &str, cell: &str) -> Result<f64, String> {
+    let value = cell.parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| format!("column '{name}': '{cell}' is not a finite number"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,16 +222,28 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_row_is_named_by_its_line() {
-        for (text, line) in [
-            ("t,a\n", 1),
-            ("time,a\n", 2),
-            ("time,a\n0,1\n0,1\n", 3),
-            ("time,a\n0,inf\n", 2),
-            ("time,a\n0,1\n\n1,x\n", 4),
-            ("time,a\n0,1,2\n", 2),
+    fn a_bad_row_is_named_by_its_line_column_and_value() {
+        for (text, line, said) in [
+            ("t,a\n", 1, "not 't'; columns are separated by commas"),
+            ("time;a\n0;1\n", 1, "not 'time;a'"),
+            ("", 1, "must be 'time' [s], not ''"),
+            ("time,a,b,a\n0,1,2,3\n", 1, "'a' is empty or used twice"),
+            ("time,a,\n0,1,2\n", 1, "'' is empty or used twice"),
+            ("time,a\n", 2, "at least one row"),
+            (
+                "time,a\n0,1\n0,1\n",
+                3,
+                "time 0 does not increase (before it: 0)",
+            ),
+            ("time,a\n0,inf\n", 2, "'a': 'inf' is not a finite number"),
+            ("time,a\nnan,1\n", 2, "'time': 'nan'"),
+            ("time,a,b\n0,1,2\n\n1,2,x\n", 4, "'b': 'x'"),
+            ("time,a\n0,\n", 2, "'a': ''"),
+            ("time,a\n0,1,2\n", 2, "has 3 cells, the header has 2"),
         ] {
-            assert_eq!(Scenario::table(text).unwrap_err().0, line, "{text}");
+            let (found, told) = Scenario::table(text).unwrap_err();
+            assert_eq!(found, line, "{text}");
+            assert!(told.contains(said), "{text}: {told}");
         }
     }
 }
