@@ -101,6 +101,9 @@ fn cells<M>(named: &Named<'_, M>, start: String) -> Result<[String; 10]> {
 fn kind<M>(row: &Variable<M>) -> String {
     match (row.access, row.unit.display.first()) {
         (Access::Real(_), None) => row.unit.name.into(),
+        (Access::Real(_), Some(shown)) if row.relative => {
+            format!("{} [{}], difference", row.unit.name, shown.name)
+        }
         (Access::Real(_), Some(shown)) => format!("{} [{}]", row.unit.name, shown.name),
         (Access::Integer(_), _) => "Integer".into(),
         (Access::Boolean(_), _) => "Boolean".into(),

@@ -90,6 +90,7 @@ impl Model for Sample {
             "T_f",
         )
         .depends_on(&[])
+        .relative()
         .local(),
         Variable::string_parameter("file", |m: &mut Self| &mut m.file, "File"),
         Variable::output("pi", Unit::ONE, |m: &mut Self| &mut m.pi, "π")
@@ -142,7 +143,13 @@ fn start_values_are_the_models_own_to_the_last_bit() {
 
 #[test]
 fn computed_variables_have_no_start_value() {
-    assert_eq!(text().matches("<Real unit=\"N.m\"/>").count(), 4);
+    assert_eq!(text().matches("<Real unit=\"N.m\"/>").count(), 3);
+}
+
+#[test]
+fn a_difference_is_a_relative_quantity() {
+    assert!(variable("friction").ends_with("<Real unit=\"N.m\" relativeQuantity=\"true\"/>"));
+    assert_eq!(text().matches("relativeQuantity").count(), 1);
 }
 
 #[test]

@@ -45,6 +45,11 @@ struct RealType {
     unit: &'static str,
     #[serde(rename = "@displayUnit", skip_serializing_if = "Option::is_none")]
     display_unit: Option<&'static str>,
+    #[serde(
+        rename = "@relativeQuantity",
+        skip_serializing_if = "std::ops::Not::not"
+    )]
+    relative: bool,
     #[serde(rename = "@min", skip_serializing_if = "Option::is_none")]
     min: Option<String>,
     #[serde(rename = "@max", skip_serializing_if = "Option::is_none")]
@@ -134,6 +139,7 @@ fn real<M>(row: &Variable<M>, start: Start) -> Result<RealType> {
     Ok(RealType {
         unit: row.unit.name,
         display_unit: row.unit.display.first().map(|shown| shown.name),
+        relative: row.relative,
         min: limit(row, "min", row.min)?,
         max: limit(row, "max", row.max)?,
         nominal: optional(row.name, "nominal", row.nominal)?,

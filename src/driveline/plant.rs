@@ -143,7 +143,7 @@ impl Plant {
     };
 
     /// The plant at the start of a run: ω_d = ω_e, ω_o = ω_w = V/r_w, ω_ci = g_i ω_o, twists 0; the gears
-    /// preselected are in.
+    /// preselected are in. A slip that is nothing but rounding is none: ω_d = ω_ci.
     ///
     /// `omega_e`: engine speed [rad/s]. `v`: vehicle speed [m/s].
     pub fn start(p: &Params, input: &Input, omega_e: f64, v: f64) -> Self {
@@ -157,6 +157,11 @@ impl Plant {
         let mut x = State::zeros();
         (x[E], x[D], x[O], x[W]) = (omega_e, omega_e, omega_w, omega_w);
         (x[C], x[C + 1]) = (g[0] * omega_w, g[1] * omega_w);
+        for i in [0, 1] {
+            if slip(&x)[i].abs() <= ZERO_SLIP {
+                x[D] = x[C + i]; // so that nothing is left for a clutch to take away: speeds start from these numbers alone
+            }
+        }
         let mut plant = Self {
             x,
             gear: input.gear,

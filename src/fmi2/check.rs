@@ -6,7 +6,7 @@ use crate::{Access, Alias, Causality, Enumeration, Variability, Variable};
 ///
 /// # Panics
 /// For more than 8192 rows, a name that is empty or used twice, `min` above `max`, limits of what has none, an
-/// enumeration whose items do not ascend, an output without `depends_on`, a dependency that is no input (an initial
+/// enumeration whose items do not ascend, a difference of anything but Reals, an output without `depends_on`, a dependency that is no input (an initial
 /// one: no input or parameter), a rate of anything but a continuous Real input, a slope of anything but a continuous
 /// Real output, an alias that importers could set, and for `tunable`, `discrete`, `constant`, `on_demand`, `depends_on`
 /// and `initially_depends_on` on a row that cannot be that.
@@ -45,6 +45,10 @@ const fn check_limits<M>(row: &Variable<M>) {
     assert!(
         !limited || matches!(row.access, Access::Real(_) | Access::Integer(_)),
         "limits belong to a Real or an Integer"
+    );
+    assert!(
+        !row.relative || matches!(row.access, Access::Real(_)),
+        "only a Real is a difference of values of a unit"
     );
     if let Access::Enumeration(_, kind) = row.access {
         check_items(kind);
@@ -261,7 +265,7 @@ mod tests {
     fn a_table_may_hold_every_row_that_a_description_can_tell() {
         check(&[
             input().min(0.0).max(0.0).rate(|m| &mut m.0),
-            parameter().tunable(),
+            parameter().tunable().relative(),
             output()
                 .depends_on(&["u", "f"])
                 .initially_depends_on(&["p", "u"])
@@ -319,6 +323,10 @@ mod tests {
             ),
             (&[flag().min(0.0)], limited),
             (&[choice(&SOUND).max(1.0)], limited),
+            (
+                &[count().relative()],
+                "only a Real is a difference of values of a unit",
+            ),
             (&[choice(&NONE)], "an enumeration has no items"),
             (
                 &[choice(&TWICE)],

@@ -101,6 +101,9 @@ const fn add<M>(hash: &mut Hash, row: &Variable<M>) {
     if let Access::Enumeration(_, kind) = row.access {
         enumeration(hash, kind);
     }
+    if row.relative {
+        hash.text("relative");
+    }
     if !row.aliases.is_empty() {
         aliases(hash, row.aliases);
     }
@@ -213,6 +216,35 @@ mod tests {
         }
 
         fn hidden_state(&mut self, _: &mut dyn StateFields) {}
+    }
+
+    /// A model whose row is a temperature or a difference of two.
+    #[derive(Clone, Default)]
+    struct Warm<const DIFFERENCE: bool>(f64);
+
+    impl<const DIFFERENCE: bool> Model for Warm<DIFFERENCE> {
+        const NAME: &'static str = "Warm";
+        const DESCRIPTION: &'static str = "";
+        const EXPERIMENT: Experiment = Experiment::new(0.0, 1.0, 0.1);
+        const VARIABLES: &'static [Variable<Self>] = &[{
+            let row = Variable::input("u", Unit::KELVIN, |m: &mut Self| &mut m.0, "");
+            if DIFFERENCE { row.relative() } else { row }
+        }];
+
+        fn initialize(&mut self, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn step(&mut self, _: f64, _: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn hidden_state(&mut self, _: &mut dyn StateFields) {}
+    }
+
+    #[test]
+    fn a_difference_is_another_variable() {
+        assert_ne!(guid::<Warm<true>>(), guid::<Warm<false>>());
     }
 
     #[test]

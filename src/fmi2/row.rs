@@ -2,7 +2,7 @@
 
 use crate::{Access, Causality, Model, Variability, Variable};
 
-/// A [`Variable`] without description, unit, nominal value and initial dependencies.
+/// A [`Variable`] without description, unit, nominal value, whether it is a difference, and initial dependencies.
 ///
 /// They stay out of the library, for nothing there points at the table itself: it answers from its rows.
 pub struct Row<M: 'static> {

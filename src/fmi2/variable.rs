@@ -121,6 +121,8 @@ pub struct Variable<M: 'static> {
     pub max: Option<f64>,
     /// Typical magnitude, for importers that scale.
     pub nominal: Option<f64>,
+    /// FMI's `relativeQuantity`: a difference, which the offset of a display unit does not move.
+    pub relative: bool,
     /// Outputs: names of the inputs it depends on directly at a communication point.
     pub dependencies: Option<&'static [&'static str]>,
     /// Outputs and locals: what their initial value depends on; `None`: on all inputs and parameters.
@@ -161,6 +163,7 @@ impl<M> Variable<M> {
             min: None,
             max: None,
             nominal: None,
+            relative: false,
             dependencies: None,
             initial_dependencies: None,
             access,
@@ -254,6 +257,12 @@ impl<M> Variable<M> {
     /// Typical magnitude, in the variable's unit.
     pub const fn nominal(mut self, nominal: f64) -> Self {
         self.nominal = Some(nominal);
+        self
+    }
+
+    /// Makes a Real a difference of two values of its unit: people read 10 K of it as 10 °C, not as −263.15 °C.
+    pub const fn relative(mut self) -> Self {
+        self.relative = true;
         self
     }
 

@@ -14,6 +14,7 @@ mod road;
 mod sets;
 mod shared;
 mod shelf;
+mod start;
 mod table;
 mod thermal;
 mod tie;

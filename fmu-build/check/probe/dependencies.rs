@@ -59,13 +59,18 @@ fn check_initial(session: &Session<'_>, report: &mut Report) -> Result<()> {
     for known in knowns {
         let start = known.get(&instance)?;
         let before = values(&instance, &computed)?;
-        let moved = other(&known, &start);
-        if moved.is_none_or(|moved| known.set(&instance, &moved).is_err()) {
-            drop(instance); // after fmi2Error an instance is of no use
+        let Some(moved) = other(&known, &start) else {
+            continue;
+        };
+        let after = known
+            .set(&instance, &moved)
+            .and_then(|()| values(&instance, &computed));
+        let Ok(after) = after else {
+            // Alone, this value does not fit to the others; after fmi2Error an instance is of no use.
+            drop(instance);
             instance = session.initializing()?;
             continue;
-        }
-        let after = values(&instance, &computed)?;
+        };
         for name in silent(unknowns, &known, &computed, &before, &after) {
             let text = format!(
                 "{name} starts elsewhere with another {}, which is not among its dependencies in InitialUnknowns",

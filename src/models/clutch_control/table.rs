@@ -15,6 +15,35 @@ pub(super) const VARIABLES: &[Variable<ClutchControl>] = table!(ClutchControl:
 /// Largest position of the actuators.
 pub(super) const STROKE_MAXIMUM: [&str; 2] = ["clutch1.strokeMaximum", "clutch2.strokeMaximum"];
 
+/// What a position starts from: what is asked of the clutch, how it slips, its friction and its map.
+///
+/// No torque of the observer and no muF is among them: a run starts without a rate and without a trim.
+macro_rules! position {
+    ($clutch:literal: $($point:literal),*) => {
+        &[
+            "feedback.enabled",
+            ports::STATUS_VALID,
+            ports::ENGINE_SPEED,
+            concat!($clutch, ".torqueRequest"),
+            concat!($clutch, ".speed"),
+            concat!($clutch, ".friction"),
+            concat!($clutch, ".nominalFriction"),
+            concat!($clutch, ".strokeMinimum"),
+            concat!($clutch, ".strokeMaximum"),
+            concat!($clutch, ".effectiveRadius"),
+            $(
+                concat!($clutch, ".map.position[", $point, "]"),
+                concat!($clutch, ".map.force[", $point, "]"),
+            )*
+        ]
+    };
+}
+
+const POSITION: [&[&str]; 2] = [
+    position!("clutch1": 1, 2, 3, 4, 5, 6, 7, 8, 9, 10),
+    position!("clutch2": 1, 2, 3, 4, 5, 6, 7, 8, 9, 10),
+];
+
 const COMMON: [Variable<ClutchControl>; 4] = [
     Variable::boolean_input(
         "feedback.enabled",
@@ -79,14 +108,16 @@ const fn clutch<const I: usize>() -> [Variable<ClutchControl>; 8] {
             |m: &mut ClutchControl| &mut m.state.servo[I].position,
             "theta_m: actuator position",
         )
-        .depends_on(&[]),
+        .depends_on(&[])
+        .initially_depends_on(POSITION[I]),
         Variable::output(
             ["clutch1.trim", "clutch2.trim"][I],
             U::ONE,
             |m: &mut ClutchControl| &mut m.state.servo[I].trim,
             "Share of the requested torque that the torque feedback adds to what the friction tells",
         )
-        .depends_on(&[]),
+        .depends_on(&[])
+        .initially_depends_on(&[]),
         Variable::parameter(
             ports::CLUTCH_NOMINAL_FRICTION[I],
             U::ONE,

@@ -261,7 +261,14 @@ const OUTPUTS: [Variable<Observer>; 10] = [
         |m: &mut Observer| &mut m.y.valid,
         "The estimate can be used",
     )
-    .depends_on(&[]),
+    .depends_on(&[])
+    .initially_depends_on(&[]),
+];
+
+/// Nothing is learnt yet.
+const LEARNT: [&[&str]; 2] = [
+    &[ports::CLUTCH_NOMINAL_FRICTION[0]],
+    &[ports::CLUTCH_NOMINAL_FRICTION[1]],
 ];
 
 const fn clutch_outputs<const I: usize>() -> [Variable<Observer>; 7] {
@@ -314,7 +321,8 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Observer>; 7] {
             |m: &mut Observer| &mut m.y.friction[I],
             "Friction coefficient learnt while the clutch slipped",
         )
-        .depends_on(&[]),
+        .depends_on(&[])
+        .initially_depends_on(LEARNT[I]),
         Variable::output(
             names[3],
             U::NEWTON_METRE,

@@ -1,6 +1,7 @@
 //! Rows of what is lost outside the clutches, and of the energy balance.
 
 use super::Plant;
+use super::start::NOTHING;
 use crate::ports;
 use fmi2_cosim::{Unit as U, Variable};
 
@@ -26,6 +27,7 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
     )
     .slope(|m| &mut m.y.brake_energy)
     .depends_on(STATES)
+    .initially_depends_on(NOTHING)
     .on_demand(),
     Variable::output(
         "synchroniser.energy",
@@ -35,6 +37,7 @@ pub(super) const LOSSES: [Variable<Plant>; 4] = [
     )
     .slope(|m| &mut m.y.synchroniser_energy)
     .depends_on(STATES)
+    .initially_depends_on(NOTHING)
     .on_demand(),
     Variable::output(
         "energy.residual",

@@ -4,6 +4,7 @@ use super::Plant;
 use super::efficiency::efficiencies;
 use super::lining::lining;
 use super::losses::LOSSES;
+use super::start::{self, DAMPER, ENGINE, JERK, NOTHING, SHAFTS, WHEELS};
 use super::thermal::{thermal, thermal_outputs};
 use crate::gears::{HIGHEST_GEAR, shaft};
 use crate::ports;
@@ -24,7 +25,7 @@ pub(super) const VARIABLES: &[Variable<Plant>] = table!(Plant:
     driveline(), road(), damper(), transfer_shafts(),
     shaft::<_, 0>(), shaft::<_, 1>(), actuator::<_, 0>(), actuator::<_, 1>(),
     clutch_parameters::<0>(), clutch_parameters::<1>(), lining::<0>(), lining::<1>(),
-    thermal::<0>(), thermal::<1>(), efficiencies::<0>(), efficiencies::<1>(), START,
+    thermal::<0>(), thermal::<1>(), efficiencies::<0>(), efficiencies::<1>(), start::ROWS,
 );
 
 /// State of a clutch.
@@ -138,7 +139,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "omega_e of (1): engine speed",
     )
     .slope(|m| &mut m.y.omega_e)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .initially_depends_on(ENGINE),
     Variable::output(
         ports::DAMPER_SPEED,
         U::RADIAN_PER_SECOND,
@@ -146,7 +148,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "omega_d of (2): speed of the damper's output side",
     )
     .slope(|m| &mut m.y.omega_d)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .initially_depends_on(DAMPER),
     Variable::output(
         ports::OUTPUT_SPEED,
         U::RADIAN_PER_SECOND,
@@ -154,7 +157,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "omega_o of (8): speed of the output shaft",
     )
     .slope(|m| &mut m.y.omega_o)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .initially_depends_on(WHEELS),
     Variable::output(
         ports::WHEEL_SPEED,
         U::RADIAN_PER_SECOND,
@@ -162,7 +166,8 @@ const SPEEDS: [Variable<Plant>; 9] = [
         "omega_w of (9): speed of the wheels",
     )
     .slope(|m| &mut m.y.omega_w)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .initially_depends_on(WHEELS),
     Variable::output(
         "vehicle.speed",
         U::METRE_PER_SECOND,
@@ -171,6 +176,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     )
     .slope(|m| &mut m.y.vehicle_speed)
     .depends_on(STATES)
+    .initially_depends_on(WHEELS)
     .on_demand(),
     Variable::output(
         "vehicle.acceleration",
@@ -189,6 +195,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     )
     .slope(|m| &mut m.comfort[0])
     .depends_on(STATES)
+    .initially_depends_on(NOTHING)
     .on_demand(),
     Variable::output(
         "vehicle.jerk",
@@ -198,6 +205,7 @@ const SPEEDS: [Variable<Plant>; 9] = [
     )
     .slope(|m| &mut m.comfort[1])
     .depends_on(STATES)
+    .initially_depends_on(JERK)
     .on_demand(),
     Variable::boolean_output(
         "wheel.held",
@@ -225,7 +233,8 @@ const TORQUES: [Variable<Plant>; 3] = [
         "T_o of (10): torque of the drive shaft",
     )
     .slope(|m| &mut m.y.t_o)
-    .depends_on(STATES),
+    .depends_on(STATES)
+    .initially_depends_on(NOTHING),
     Variable::output(
         ports::LOAD_TORQUE,
         U::NEWTON_METRE,
@@ -252,7 +261,8 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
             "omega_c of (4), (5): speed of the input shaft",
         )
         .slope(|m| &mut m.y.omega_c[I])
-        .depends_on(STATES),
+        .depends_on(STATES)
+        .initially_depends_on(SHAFTS[I]),
         Variable::output(
             ports::CLUTCH_TORQUE[I],
             U::NEWTON_METRE,
@@ -286,6 +296,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
         )
         .slope(|m| &mut m.y.slip[I])
         .depends_on(STATES)
+        .initially_depends_on(DAMPER)
         .on_demand(),
         Variable::enumeration_output(
             state,
@@ -312,6 +323,7 @@ const fn clutch_outputs<const I: usize>() -> [Variable<Plant>; 8] {
         )
         .slope(|m| &mut m.y.friction_energy[I])
         .depends_on(STATES)
+        .initially_depends_on(NOTHING)
         .on_demand(),
     ]
 }
@@ -348,25 +360,3 @@ const fn clutch_parameters<const I: usize>() -> [Variable<Plant>; 3] {
         .min(POSITIVE),
     ]
 }
-
-const START: [Variable<Plant>; 3] = [
-    Variable::parameter(
-        "vehicle.jerkTime",
-        U::SECOND,
-        |m: &mut Plant| &mut m.jerk_time,
-        "tau of the two low-passes of filtered acceleration and jerk; 0.016 s is 10 Hz",
-    )
-    .min(1e-4),
-    Variable::parameter(
-        "engine.speed_start",
-        U::RADIAN_PER_SECOND,
-        |m: &mut Plant| &mut m.engine_speed_start,
-        "Engine speed at the start",
-    ),
-    Variable::parameter(
-        "vehicle.speed_start",
-        U::METRE_PER_SECOND,
-        |m: &mut Plant| &mut m.vehicle_speed_start,
-        "Vehicle speed at the start",
-    ),
-];

@@ -1,6 +1,7 @@
 //! Rows of the thermal model of a clutch and of its wear.
 
 use super::Plant;
+use super::start::{HEAT, NOTHING};
 use crate::vehicle::{indexed, invalid};
 use dct_driveline::Params;
 use dct_driveline::thermal::FADE_POINTS;
@@ -33,6 +34,7 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
         )
         .slope(|m| &mut m.y.temperature[I])
         .depends_on(&[])
+        .initially_depends_on(HEAT[I])
         .on_demand(),
         Variable::output(
             ["clutch1.wear", "clutch2.wear"][I],
@@ -42,6 +44,7 @@ pub(super) const fn thermal_outputs<const I: usize>() -> [Variable<Plant>; 2] {
         )
         .slope(|m| &mut m.y.wear[I])
         .depends_on(&[])
+        .initially_depends_on(NOTHING)
         .on_demand(),
     ]
 }
