@@ -46,7 +46,7 @@ enum {
     DCT_NOT_FINITE = 1,  /* an input is no number */
     DCT_NO_SPEED = 2,    /* a speed reads 0 though what moves with it turns */
     DCT_FROZEN = 3,      /* a speed does not change though what moves with it does */
-    DCT_SATURATED = 4,   /* a friction is at its physical bound */
+    DCT_SATURATED = 4,   /* a friction, or an error that is learnt, is at its physical bound */
     DCT_DIVERGED = 5,    /* the innovation is beyond what a driveline can do */
     DCT_INCONSISTENT = 6 /* the innovation is far beyond what the filter expects */
 };

@@ -7,6 +7,7 @@ mod table;
 
 use crate::step::{SCENARIO, check_step};
 use crate::vehicle::{Vehicle, check_maps};
+use core::fmt;
 use dct_driveline::Params;
 use dct_driveline::observer::{
     Estimate, Fault, LoadMethod, Method, Observer as _, Phase, Sample, Selected, Settings,
@@ -73,9 +74,10 @@ impl Observer {
     fn tell(&self, valid: bool, engaged: [bool; 2], time: f64, log: &mut Log<'_>) {
         if let Some(fault) = self.y.fault.filter(|_| valid) {
             log.warning(format_args!(
-                "t = {} s: status.valid = false: {fault}; {}",
+                "t = {} s: status.valid = false: {fault} ({}); {}",
                 Seconds(time),
-                remedy(fault)
+                Evidence(self, fault),
+                remedy(fault, table::method(self.method))
             ));
         }
         for i in (0..2).filter(|i| engaged[*i] != self.y.engaged[*i]) {
@@ -117,11 +119,66 @@ fn tell_ticks(before: [f64; 4], now: [f64; 4], time: f64, log: &mut Log<'_>) {
     }
 }
 
+/// What `calibrating` learns, in the order of its values.
+const LEARNT: [&str; 8] = [
+    "torqueScale",
+    "torqueBias",
+    "inertiaError",
+    "wheelSpeedBias",
+    "stiffnessError",
+    "dampingError",
+    "gearboxInertiaError",
+    "vehicleInertiaError",
+];
+
+/// The variables that show a fault, with their values.
+struct Evidence<'a>(&'a Observer, Fault);
+
+impl fmt::Display for Evidence<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(Observer { u, y, method, .. }, fault) = self;
+        let short = |value: f64| (value * 1e3).round() / 1e3;
+        match fault {
+            Fault::NotFinite | Fault::NoSpeed | Fault::Frozen => write!(
+                f,
+                "engine.speed = {}, clutch1.speed = {}, clutch2.speed = {}, wheel.speed = {} rad/s",
+                short(u.omega_e),
+                short(u.omega_c[0]),
+                short(u.omega_c[1]),
+                short(u.omega_w)
+            ),
+            Fault::Saturated if table::method(*method) == Method::Calibrating => {
+                let told = LEARNT.iter().zip(y.calibration.value).enumerate();
+                told.into_iter().try_for_each(|(k, (name, value))| {
+                    let comma = if k == 0 { "" } else { ", " };
+                    write!(f, "{comma}calibration.{name} = {}", short(value))
+                })
+            }
+            Fault::Saturated => write!(
+                f,
+                "clutch1.friction = {}, clutch2.friction = {}",
+                short(y.friction[0]),
+                short(y.friction[1])
+            ),
+            Fault::Diverged => write!(
+                f,
+                "innovation.x1 = {}, innovation.x2 = {} rad/s",
+                short(y.innovation[0]),
+                short(y.innovation[1])
+            ),
+            Fault::Inconsistent => write!(f, "innovation.consistency = {}", short(y.consistency)),
+        }
+    }
+}
+
 /// What the user can do about a fault.
-const fn remedy(fault: Fault) -> &'static str {
+const fn remedy(fault: Fault, method: Method) -> &'static str {
     match fault {
         Fault::NotFinite => "give every input a number",
         Fault::NoSpeed | Fault::Frozen => "check the speed sensors and their connections",
+        Fault::Saturated if matches!(method, Method::Calibrating) => {
+            "check the engine torque, the speed sensors, and the inertias and stiffness believed"
+        }
         Fault::Saturated => "check the force-position maps and nominal frictions",
         Fault::Diverged => "check the ratios, inertias and gains",
         Fault::Inconsistent => "check the sensors, their deviation among the gains, and the ratios",
@@ -190,8 +247,9 @@ impl Model for Observer {
 
 #[cfg(test)]
 mod tests {
-    use super::Observer;
-    use fmi2_cosim::{Error, Instance, Log, Reference};
+    use super::{LEARNT, Observer};
+    use core::fmt;
+    use fmi2_cosim::{Access, Category, Error, Instance, Log, Model as _, Reference};
 
     /// A method, and a number for a variable.
     type Given = (Reference<Observer, f64>, f64);
@@ -221,6 +279,71 @@ mod tests {
         late.iter()
             .try_for_each(|(name, value)| observer.write(*name, *value))?;
         observer.step(1e-3, 1e-3, log)
+    }
+
+    /// What is logged of a drive in first gear whose engine stands still from the start.
+    fn told(method: i32) -> Vec<String> {
+        let mut said = vec![];
+        let mut sink = |_: Category, text: fmt::Arguments<'_>| said.push(text.to_string());
+        let log = &mut Log::new(&mut sink);
+        let mut observer = Instance::<Observer>::default();
+        observer
+            .write(Reference::named("observer.method"), method)
+            .unwrap();
+        let drive = |observer: &mut Instance<Observer>, time: f64| {
+            let [one, wheel] = [150.0 + time, (150.0 + time) / 18.0];
+            for (name, value) in [
+                (Reference::named("engine.torque"), 60.0 + 100.0 * time),
+                (Reference::named("engine.speed"), 150.0),
+                (Reference::named("clutch1.speed"), one),
+                (Reference::named("clutch2.speed"), 11.52 * wheel),
+                (Reference::named("wheel.speed"), wheel),
+            ] {
+                observer.write(name, value).unwrap();
+            }
+        };
+        drive(&mut observer, 0.0);
+        observer.setup_experiment(0.0, None).unwrap();
+        observer.enter_initialization().unwrap();
+        observer.exit_initialization(log).unwrap();
+        for k in 0..250 {
+            let time = f64::from(k) * 1e-3;
+            drive(&mut observer, time);
+            observer.step(time, 1e-3, log).unwrap();
+        }
+        said
+    }
+
+    #[test]
+    fn a_fault_is_told_with_time_variables_values_and_remedy() {
+        for method in 1..=5 {
+            let said = told(method);
+            let [fault] = &said[..] else {
+                panic!("method {method}: {said:?}");
+            };
+            let start = if method == 5 {
+                "t = 0.11 s: status.valid = false: what is learnt is at its physical bound (calibration.torqueScale ="
+            } else {
+                "t = 0.199 s: status.valid = false: a speed is frozen though what moves with it changes \
+                         (engine.speed = 150, clutch1.speed = 150.198, clutch2.speed = 96.127, wheel.speed = 8.344 \
+                         rad/s); check the speed sensors"
+            };
+            assert!(fault.starts_with(start), "method {method}: {fault}");
+        }
+    }
+
+    #[test]
+    fn what_is_learnt_is_told_by_the_names_of_the_table() {
+        let mut observer = Observer::default();
+        for (k, name) in LEARNT.into_iter().enumerate() {
+            let name = format!("calibration.{name}");
+            let row = Observer::VARIABLES.iter().find(|row| row.name == name);
+            let Some(Access::Real(field)) = row.map(|row| row.access) else {
+                panic!("no {name}");
+            };
+            observer.y.calibration.value[k] = 1.5;
+            assert_eq!(*field(&mut observer), 1.5, "{name}");
+        }
     }
 
     /// Within their limits parameters may still ask for accelerations beyond all numbers.

@@ -37,7 +37,7 @@ pub enum Fault {
     NoSpeed = 2,
     /// A speed does not change though what moves with it does.
     Frozen = 3,
-    /// A friction has been at its physical bound.
+    /// A friction, or an error that `calibrating` learns, has been at its physical bound.
     Saturated = 4,
     /// The innovation has been beyond what a driveline can do.
     Diverged = 5,
@@ -51,7 +51,7 @@ impl fmt::Display for Fault {
             Self::NotFinite => "an input is no number",
             Self::NoSpeed => "a speed reads 0 though what moves with it turns",
             Self::Frozen => "a speed is frozen though what moves with it changes",
-            Self::Saturated => "a friction is at its physical bound",
+            Self::Saturated => "what is learnt is at its physical bound",
             Self::Diverged => "the innovation is beyond what a driveline can do",
             Self::Inconsistent => "the innovation is far beyond what the filter expects",
         })
