@@ -40,6 +40,9 @@ def test_both_engines_give_the_same_bits(
     assert loops[0]["plant.vehicle.speed"][-1] > 0.1
     for part in ("parameters", "events", "wiring", "fmus"):
         assert loops[0].run[part] == loops[1].run[part], part
+    times = [loop.run["wall_time"] for loop in loops]
+    assert set(times[0]) == set(loops[0].run["fmus"])
+    assert not times[1]  # it is not measured there, and nothing takes 0 s
 
 
 def test_a_foreign_fmu_runs_in_another_process(tmp_path: Path, hostile: Path) -> None:

@@ -5,7 +5,8 @@
 (component -> path, modelName, guid, generationTool, sha256), `parameters` (component -> name ->
 value, unit, and item of an enumeration), `wiring` (list of from, to), `signals` (name -> unit,
 type), `events` (list of time, component, variable, from, to), `log` (list of component, time,
-category, status, message), `wall_time` (component -> s), and `environment`.
+category, status, message), `wall_time` (component -> s; empty with the compiled master, which
+does not measure it), and `environment`.
 """
 
 from __future__ import annotations

@@ -277,7 +277,7 @@ class Run:
             },
             "wiring": self._connections(),
             "log": sorted(log, key=lambda m: m["time"]),
-            "wall_time": {n: f.wall_time for n, f in self.fmus.items()},
+            "wall_time": {n: f.wall_time for n, f in self.fmus.items() if f.wall_time},
         }  # fmt: skip
 
     def _signals(self) -> dict[str, dict[str, Any]]:

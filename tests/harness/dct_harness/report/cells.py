@@ -23,7 +23,12 @@ def matrix(view: View) -> Json | None:
     rows = [r for r in view.kpis["rows"] if r["kpi"] in ERROR_KEYS]
     if not rows:
         return None
-    values = {(r["scope"], r["signal"], r["kpi"], r["estimate"]): r for r in rows}
+    values: dict[tuple[str, ...], Json] = {
+        (r["scope"], r["signal"], r["kpi"], r["estimate"]): r for r in rows
+    }
+    for place, row in values.items():
+        if row["kpi"] == registry.RATIO.key and _is_idle(values, *place[:2]):
+            values[place] = row | {"value": None}
     torques = [t for t in TORQUES if any(r["signal"] == t for r in rows)]
     order = {"scenario": 0, "phase": 1, "state": 2}
     scopes = sorted(dict.fromkeys(r["scope"] for r in rows), key=lambda s: order[group(s)])
@@ -35,6 +40,14 @@ def matrix(view: View) -> Json | None:
     ]  # fmt: skip
     return {"torques": [HTML_SYMBOL[TORQUES[t]] for t in torques],
             "columns": [head for head, _, _ in MATRIX], "rows": table}  # fmt: skip
+
+
+def _is_idle(values: dict[tuple[str, ...], Json], scope: str, torque: str) -> bool:
+    """Whether both errors of a torque are below what is shown, as those of an open clutch."""
+    key, least = registry.RMSE.key, registry.RMSE.least
+    errors = [row["value"] for estimate in ("observer", "mapBased")
+              if (row := values.get((scope, torque, key, estimate)))]  # fmt: skip
+    return all(error is not None and error < least for error in errors)
 
 
 def full(view: View) -> Json:
