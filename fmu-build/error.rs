@@ -358,17 +358,23 @@ impl fmt::Display for Error {
     }
 }
 
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Io { source, .. } => Some(source),
-            Self::Zip { source, .. } => Some(source),
-            Self::Write(source) => Some(source),
-            Self::Model(error) => Some(error),
-            Self::Run { source, .. } => Some(source),
-            Self::Parse(source) => Some(source),
-            Self::Load { source, .. } => Some(source),
-            _ => None,
-        }
+/// Without a source: the text tells the cause, and what prints a chain would say it twice.
+impl std::error::Error for Error {}
+
+#[cfg(test)]
+mod tests {
+    use super::Error;
+
+    #[test]
+    fn a_cause_is_told_once() {
+        let missing = std::fs::read("no/such/file").unwrap_err();
+        let (cause, error) = (missing.to_string(), Error::io("no/such/file")(missing));
+        let chain: Vec<_> =
+            std::iter::successors(Some(&error as &dyn std::error::Error), |error| {
+                error.source()
+            })
+            .map(ToString::to_string)
+            .collect();
+        assert_eq!(chain, [format!("no/such/file: {cause}")]);
     }
 }
