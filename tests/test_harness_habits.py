@@ -20,6 +20,7 @@ from harness_fixture.lag_fmu import HARNESS, harness, write_fmu, write_system
     (["run", "x.toml", "--tiemout", "3"], "--timeout"),
     (["compare", "a", "b", "--tueb", "3"], "--tube"),
     (["run", "x.toml", "--format", "parqet"], "parquet"),
+    (["run", "x.toml", "--fmus", "target/fmu"], "--fmu-dir' or '--fmu-log"),
 ])  # fmt: skip
 def test_a_slip_of_the_keyboard_gets_a_hint(
     words: list[str], meant: str, capsys: pytest.CaptureFixture[str]
@@ -28,6 +29,13 @@ def test_a_slip_of_the_keyboard_gets_a_hint(
         cli.main(words)
     assert caught.value.code == 2
     assert capsys.readouterr().err.endswith(f"Did you mean '{meant}'?\n")
+
+
+def test_a_verb_refuses_options_itself(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["run", "x.toml", "--runs", "3"])  # an option of sweep
+    said = capsys.readouterr().err
+    assert said.startswith("dct-harness run: unrecognized arguments: --runs 3")
 
 
 def test_a_word_like_no_other_gets_no_hint(capsys: pytest.CaptureFixture[str]) -> None:
