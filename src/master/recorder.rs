@@ -4,6 +4,9 @@ use cosim_raw::{Places, prefetch};
 use std::array;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Numbers that are looked at side by side: a line of the cache.
+const LANES: usize = 8;
+
 /// Rows so far.
 #[derive(Default)]
 pub struct Seen {
@@ -77,12 +80,34 @@ fn write(
     let Some((row, later)) = rest.and_then(|rest| rest.split_at_mut_checked(width)) else {
         return (false, are_numbers(world));
     };
-    prefetch(later.get(..width).unwrap_or_default());
-    match kept {
-        None => row.copy_from_slice(world),
-        Some(places) => places.copy(world, row),
-    }
+    let ahead = later.get(..width).unwrap_or(world);
+    let Some(places) = kept else {
+        return (true, copy(world, row, ahead));
+    };
+    prefetch(ahead);
+    places.copy(world, row);
     (true, are_numbers(world))
+}
+
+/// Copies a row in one pass that also looks at it as [`are_numbers`] does, and prefetches the one ahead.
+#[inline]
+fn copy(world: &[f64], row: &mut [f64], ahead: &[f64]) -> bool {
+    let (Some(last), Some(last_to)) = (world.last_chunk(), row.last_chunk_mut()) else {
+        row.copy_from_slice(world);
+        return all_finite(world);
+    };
+    // The last ones, which may be among the lanes again: so there is no rest.
+    let mut sums: [f64; LANES] = *last;
+    *last_to = *last;
+    let lanes = world.as_chunks::<LANES>().0.iter();
+    let rows = row.as_chunks_mut::<LANES>().0.iter_mut();
+    for ((lane, to), ahead) in lanes.zip(rows).zip(ahead.as_chunks::<LANES>().0) {
+        prefetch(ahead);
+        let lane = *lane;
+        sums = array::from_fn(|k| sums[k] + lane[k]);
+        *to = lane;
+    }
+    sum(sums, &[]).is_finite() || all_finite(world)
 }
 
 /// Whether all values are numbers: if they are, or nearly, so is their sum. Values too large for one are no reason.
@@ -90,14 +115,19 @@ fn write(
 /// Sums side by side do not wait for each other.
 #[inline]
 fn are_numbers(values: &[f64]) -> bool {
-    let (lanes, rest) = values.as_chunks::<8>();
-    let mut sums = [0.0; 8];
+    let (lanes, rest) = values.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
     for lane in lanes {
         sums = array::from_fn(|k| sums[k] + lane[k]);
     }
+    sum(sums, rest).is_finite() || all_finite(values)
+}
+
+#[inline]
+fn sum(sums: [f64; LANES], rest: &[f64]) -> f64 {
     let four: [f64; 4] = array::from_fn(|k| sums[k] + sums[k + 4]);
     let rest = rest.iter().fold(0.0, |sum, value| sum + value);
-    (four[0] + four[2] + (four[1] + four[3]) + rest).is_finite() || all_finite(values)
+    four[0] + four[2] + (four[1] + four[3]) + rest
 }
 
 #[cold]
