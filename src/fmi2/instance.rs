@@ -26,6 +26,8 @@ pub struct Instance<M: Model> {
     now: Saved<M>,
     /// The last step that was asked for, and what it was taken as [s].
     step: [f64; 2],
+    /// Outputs on demand were asked for after the last step.
+    wanted: bool,
     /// The model as it was loaded from files, if it reads any.
     fresh: Option<Box<M>>,
 }
@@ -35,6 +37,7 @@ impl<M: Model> Default for Instance<M> {
         Self {
             now: Saved::new(),
             step: [0.0; 2],
+            wanted: false,
             fresh: None,
         }
     }

@@ -5,7 +5,7 @@
 //! measures how far from its start the field lies. Where the accessor does no more than point at a
 //! field, that is a constant, and the compiler turns the whole `match` into a table of numbers. A field
 //! that does not lie in the model itself (in a `Box`, say), parameters and rows beyond the arms have no place
-//! here; they go the ordinary way.
+//! here; they go the ordinary way. [`place`] is the same for Integers and Booleans.
 
 use crate::saved::Saved;
 use crate::value::Value;
@@ -23,33 +23,38 @@ const ELSEWHERE: u32 = 1 << OWN;
 const COMPUTED: u32 = 2 << OWN;
 /// Bit of what is computed on demand.
 const ON_DEMAND: u32 = 4 << OWN;
-/// Bit of an Integer or an Enumeration that has a place.
-const INTEGER: u32 = 8 << OWN;
-/// Bit of a Boolean that has a place.
-const BOOLEAN: u32 = 16 << OWN;
 /// Bits of what cannot be set at a communication point.
 const FIXED: u32 = ELSEWHERE | COMPUTED;
 
+/// Bits of the place of another type than Real: how far it lies from the start of [`Saved`], in bytes.
+const NEAR: u32 = (1 << 28) - 1;
+/// Bit of the place of what is computed on demand.
+const LATE: u32 = 1 << 28;
+
 /// A type other than Real whose values have places.
 pub trait Other: Value {
-    /// Bit of its rows.
+    /// Bit of their places.
     const BIT: u32;
 }
 
 impl Other for i32 {
-    const BIT: u32 = INTEGER;
+    const BIT: u32 = 1 << 29;
 }
 
 impl Other for bool {
-    const BIT: u32 = BOOLEAN;
+    const BIT: u32 = 1 << 30;
 }
+
+/// Reals that are read side by side, where there are so many.
+const FOUR: usize = 4;
+const MANY: usize = 12;
 
 /// What is known of a variable.
 #[derive(Clone, Copy)]
 struct Known {
-    /// Its own bit, those of its role and type.
+    /// Its own bit, those of its role and whether it is a Real that has a place.
     word: u32,
-    /// Bytes from the start of [`Saved`] to it.
+    /// Bytes from the start of [`Saved`] to it; of what is no Real that has a place, to the time.
     distance: u32,
     /// Smallest legal value; finite.
     low: f64,
@@ -77,9 +82,19 @@ const fn some_on_demand<M: Model>() -> bool {
 }
 
 /// Reads Reals if all references are Reals that have a place, none waits to be computed by a model that has to
-/// be watched at that, and what is computed on demand is a number; else it returns false.
+/// be watched at that, and what is computed on demand is a number; else it returns false, and what it wrote is void.
+///
+/// `wanted`: many of which some are computed on demand were asked for after the last step.
 #[inline(always)]
-pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &mut [f64]) -> bool {
+pub(crate) fn get<M: Model>(
+    saved: &mut Saved<M>,
+    wanted: &mut bool,
+    references: &[u32],
+    values: &mut [f64],
+) -> bool {
+    if references.len() >= MANY {
+        return get_many(saved, wanted, references, values);
+    }
     let mut words = 0;
     for &reference in references.iter().rev() {
         if reference >= ARMS {
@@ -91,11 +106,78 @@ pub(crate) fn get<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &m
     let plain = words & ELSEWHERE == 0 && (!(on_demand && saved.late) || computed(saved));
     if plain {
         for (&reference, value) in references.iter().zip(values.iter_mut()).rev() {
-            // SAFETY: it is below `ARMS`, and a Real: no word has the bit `ELSEWHERE`, as all others do.
-            *value = *unsafe { field::<M, f64>(saved, reference) };
+            *value = *field(saved, reference);
         }
     }
-    plain && (!on_demand || are_numbers(values))
+    plain && (!on_demand || values.iter().sum::<f64>().is_finite())
+}
+
+/// [`get`] in one pass. What is computed on demand is computed before it, where it was `wanted` last time; where that
+/// changes, the answer is false once.
+#[inline(always)]
+fn get_many<M: Model>(
+    saved: &mut Saved<M>,
+    wanted: &mut bool,
+    references: &[u32],
+    values: &mut [f64],
+) -> bool {
+    if !const { some_on_demand::<M>() } {
+        let (words, _) = read(saved, references, values);
+        return words & ELSEWHERE == 0;
+    }
+    let was_late = saved.late;
+    if was_late && *wanted && !computed(saved) {
+        return false;
+    }
+    let (words, sum) = read(saved, references, values);
+    let on_demand = words & ON_DEMAND != 0;
+    *wanted = if was_late { on_demand } else { *wanted };
+    // What is no number, or too large for a sum, the ordinary way tells.
+    words & ELSEWHERE == 0 && (!on_demand || (!saved.late && sum.is_finite()))
+}
+
+/// All bits of the words and of the references of Reals that were read, and sums side by side.
+#[derive(Default)]
+struct Seen {
+    words: u32,
+    references: u32,
+    sums: [f64; FOUR],
+}
+
+/// Reads Reals; returns all bits of their words, [`ELSEWHERE`] where one is no Real that has a place, and their sum.
+///
+/// Four at a time, as a loop around each takes half as long again.
+#[inline(never)] // it saves registers, which few values are not worth; and as all bits go out, `known` is a table
+fn read<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &mut [f64]) -> (u32, f64) {
+    let mut seen = Seen::default();
+    let (references, few) = references.as_chunks::<FOUR>();
+    let (values, few_values) = values.as_chunks_mut::<FOUR>();
+    for ([a, b, c, d], [to_a, to_b, to_c, to_d]) in references.iter().zip(values) {
+        read_one::<M, 0>(saved, *a, to_a, &mut seen);
+        read_one::<M, 1>(saved, *b, to_b, &mut seen);
+        read_one::<M, 2>(saved, *c, to_c, &mut seen);
+        read_one::<M, 3>(saved, *d, to_d, &mut seen);
+    }
+    for (reference, value) in few.iter().zip(few_values) {
+        read_one::<M, 0>(saved, *reference, value, &mut seen);
+    }
+    let beyond = u32::from(seen.references >= ARMS) << OWN; // ELSEWHERE
+    (seen.words | beyond, seen.sums.iter().sum())
+}
+
+#[inline(always)]
+fn read_one<M: Model, const SUM: usize>(
+    saved: &mut Saved<M>,
+    reference: u32,
+    value: &mut f64,
+    seen: &mut Seen,
+) {
+    seen.references |= reference;
+    seen.words |= known(saved, reference).word;
+    *value = *field(saved, reference);
+    if const { some_on_demand::<M>() } {
+        seen.sums[SUM] += *value;
+    }
 }
 
 /// Reads values of another type if all references are of that type and have a place, and none waits to be computed;
@@ -106,36 +188,21 @@ pub(crate) fn get_others<M: Model, T: Other, A: From<T>>(
     references: &[u32],
     values: &mut [A],
 ) -> bool {
-    let mut words = 0;
-    for &reference in references.iter().rev() {
-        let word = known(saved, reference).word;
-        if reference >= ARMS || word & T::BIT == 0 {
+    for &reference in references {
+        let place = place(saved, reference);
+        let waits = const { some_on_demand::<M>() } && place & LATE != 0 && saved.late;
+        if reference >= ARMS || place & T::BIT == 0 || waits {
             return false;
         }
-        words |= word;
-    }
-    if const { some_on_demand::<M>() } && words & ON_DEMAND != 0 && saved.late {
-        return false;
     }
     for (&reference, value) in references.iter().zip(values).rev() {
-        // SAFETY: it is below `ARMS`, and its word has the bit of the type.
-        *value = (*unsafe { field::<M, T>(saved, reference) }).into();
+        let distance = place(saved, reference) & NEAR;
+        // SAFETY: just now and on this very `saved`, `other_arm` measured the distance to a T that lies in it, as the
+        // bit of its place says.
+        let field = unsafe { &*from_ref(saved).byte_add(distance as usize).cast::<T>() };
+        *value = (*field).into();
     }
     true
-}
-
-/// Whether values are numbers; else, or where they are too large for a sum, the ordinary way tells what is none.
-#[inline(never)]
-fn are_numbers(values: &[f64]) -> bool {
-    let (lanes, rest) = values.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for lane in lanes {
-        sums.iter_mut()
-            .zip(lane)
-            .for_each(|(sum, value)| *sum += value);
-    }
-    let sum: f64 = sums.iter().chain(rest).sum();
-    sum.is_finite()
 }
 
 /// Computes what waits for it; false where the model has to be watched at that.
@@ -170,37 +237,29 @@ pub(crate) fn set<M: Model>(saved: &mut Saved<M>, references: &[u32], values: &[
     let plain = sum == words.into();
     if plain {
         for (&reference, &value) in references.iter().zip(values).rev() {
-            // SAFETY: it is below `ARMS`, and a Real: no word has the bit `ELSEWHERE`, or the sum would exceed `words`.
-            *unsafe { field::<M, f64>(saved, reference) } = value;
+            // It is a Real that has a place: no word has the bit `ELSEWHERE`, or the sum would exceed `words`.
+            *field(saved, reference) = value;
         }
     }
     plain
 }
 
-/// The field of a reference that is below [`ARMS`].
-///
-/// # Safety
-/// It is one, and a variable of type `T`.
+/// The Real of a reference; of what is no Real that has a place, the time.
 #[inline(always)]
-unsafe fn field<M: Model, T>(saved: &mut Saved<M>, reference: u32) -> &mut T {
+fn field<M: Model>(saved: &mut Saved<M>, reference: u32) -> &mut f64 {
     let distance = known(saved, reference).distance;
-    // SAFETY: just now and on this very `saved`, `arm` measured the distance to a T that lies in it; that of `nowhere`
-    // leads to what can be read as one. The result borrows all of `saved`.
-    unsafe { &mut *from_mut(saved).byte_add(distance as usize).cast::<T>() }
+    // SAFETY: just now and on this very `saved`, `arm` measured the distance to an f64 that lies in it; that of `nowhere`
+    // leads to one, too. The result borrows all of `saved`.
+    unsafe { &mut *from_mut(saved).byte_add(distance as usize).cast::<f64>() }
 }
 
 impl Known {
-    /// What has no place; its distance leads to something of the same type.
+    /// What is no Real that has a place.
     #[inline(always)]
-    fn nowhere<M>(access: Option<Access<M>>) -> Self {
-        const { assert!(size_of::<Saved<M>>() as u64 <= u32::MAX as u64) };
-        let distance = match access {
-            Some(Access::Boolean(_)) => offset_of!(Saved<M>, stale),
-            _ => offset_of!(Saved<M>, time), // what an f64 consists of is an i32, too
-        };
+    fn nowhere<M>() -> Self {
         Self {
             word: ELSEWHERE,
-            distance: u32::try_from(distance).unwrap_or_default(),
+            distance: u32::try_from(offset_of!(Saved<M>, time)).unwrap_or_default(),
             low: f64::MIN,
             high: f64::MAX,
         }
@@ -213,15 +272,9 @@ impl Known {
             Causality::Output | Causality::Local => COMPUTED,
             _ => 0,
         };
-        let kind = match row.access {
-            Access::Real(_) => 0,
-            Access::Integer(_) | Access::Enumeration(..) => ELSEWHERE | INTEGER,
-            Access::Boolean(_) => ELSEWHERE | BOOLEAN,
-            Access::String(_) => ELSEWHERE,
-        };
         let (low, high) = (row.min, row.max);
         Self {
-            word: role | kind | 1 << (index % OWN as usize),
+            word: role | 1 << (index % OWN as usize),
             distance: 0,
             low: if let Some(low) = low { low } else { f64::MIN },
             high: if let Some(high) = high {
@@ -233,17 +286,33 @@ impl Known {
     }
 }
 
-/// Accessor and role of a row that is no parameter.
-const fn row<M: Model>(index: usize) -> Option<(Access<M>, Known)> {
+/// Accessor and role of a Real that is no parameter.
+const fn row<M: Model>(index: usize) -> Option<(fn(&mut M) -> &mut f64, Known)> {
     if index >= M::VARIABLES.len() {
         return None;
     }
     let row = &M::VARIABLES[index];
-    match row.causality {
+    match (row.causality, row.access) {
         // To reach a parameter a model may have to do more than to point at it.
-        Causality::Parameter => None,
-        _ => Some((row.access, Known::of(row, index))),
+        (Causality::Parameter, _) => None,
+        (_, Access::Real(field)) => Some((field, Known::of(row, index))),
+        _ => None,
     }
+}
+
+/// Accessor of an Integer or a Boolean that is no parameter, and the bits of its place.
+const fn other_row<M: Model>(index: usize) -> Option<(Access<M>, u32)> {
+    if index >= M::VARIABLES.len() {
+        return None;
+    }
+    let row = &M::VARIABLES[index];
+    let kind = match (row.causality, row.access) {
+        (Causality::Parameter, _) => return None,
+        (_, Access::Integer(_) | Access::Enumeration(..)) => i32::BIT,
+        (_, Access::Boolean(_)) => bool::BIT,
+        _ => return None,
+    };
+    Some((row.access, if row.on_demand { kind | LATE } else { kind }))
 }
 
 /// Index of a row that is counted from -128 on.
@@ -251,66 +320,80 @@ const fn index(row: i8) -> usize {
     row.cast_unsigned().wrapping_add(128) as usize
 }
 
-/// Address and size of the field that an accessor leads to.
+/// How far from the start of `saved` a field of its model lies [B], if it lies in there.
 #[inline(always)]
-fn place<M>(access: Access<M>, model: &mut M) -> (usize, usize) {
-    match access {
-        Access::Real(field) => (from_ref(field(model)).addr(), size_of::<f64>()),
-        Access::Boolean(field) => (from_ref(field(model)).addr(), size_of::<bool>()),
-        Access::String(field) => (from_ref(field(model)).addr(), size_of::<String>()),
-        Access::Integer(field) | Access::Enumeration(field, _) => {
-            (from_ref(field(model)).addr(), size_of::<i32>())
-        }
-    }
+fn distance<M: Model, T>(saved: &mut Saved<M>, field: fn(&mut M) -> &mut T) -> Option<u32> {
+    const { assert!(size_of::<Saved<M>>() <= NEAR as usize) };
+    let start = from_ref(saved).addr();
+    let distance = from_ref(field(&mut saved.model)).addr().wrapping_sub(start);
+    let inside = distance <= size_of::<Saved<M>>() - size_of::<T>();
+    u32::try_from(distance).ok().filter(|_| inside)
 }
 
 #[inline(always)]
 fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Known {
-    let Some((access, known)) = (const { row::<M>(index(ROW)) }) else {
-        return Known::nowhere::<M>(None);
+    let Some((field, known)) = (const { row::<M>(index(ROW)) }) else {
+        return Known::nowhere::<M>();
     };
-    let start = from_ref(saved).addr();
-    let (address, size) = place(access, &mut saved.model);
-    let distance = address.wrapping_sub(start);
-    match u32::try_from(distance) {
-        Ok(near) if distance <= size_of::<Saved<M>>() - size => Known {
-            distance: near,
-            ..known
-        },
-        _ => Known::nowhere(Some(access)),
+    match distance(saved, field) {
+        Some(distance) => Known { distance, ..known },
+        None => Known::nowhere::<M>(),
     }
+}
+
+#[inline(always)]
+fn other_arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> u32 {
+    let Some((access, bits)) = (const { other_row::<M>(index(ROW)) }) else {
+        return 0;
+    };
+    let distance = match access {
+        Access::Integer(field) | Access::Enumeration(field, _) => distance(saved, field),
+        Access::Boolean(field) => distance(saved, field),
+        Access::Real(_) | Access::String(_) => None,
+    };
+    distance.map_or(0, |distance| bits | distance)
 }
 
 /// A macro, as an arm per row is written out: the compiler makes a table of a `match` on literals, and no generic
 /// function has a number of arms.
-macro_rules! match_rows {
-    ($reference:ident, $saved:ident: $($row:literal)*) => {
-        match ($reference % ARMS).to_le_bytes()[0].wrapping_sub(128).cast_signed() {
-            $($row => arm::<M, $row>($saved),)*
-        }
-    };
-}
-
-/// What is known of a reference's row; of references beyond the arms, another one's.
 ///
 /// The rows are counted from -128 on, as the compiler counts them when it makes the table: so it need not
 /// convert.
 #[rustfmt::skip] // a list
+macro_rules! match_rows {
+    ($arm:ident, $reference:ident, $saved:ident: $($row:literal)*) => {
+        match ($reference % ARMS).to_le_bytes()[0].wrapping_sub(128).cast_signed() {
+            $($row => $arm::<M, $row>($saved),)*
+        }
+    };
+    ($arm:ident, $reference:ident, $saved:ident) => {
+        match_rows!($arm, $reference, $saved:
+            -128 -127 -126 -125 -124 -123 -122 -121 -120 -119 -118 -117 -116 -115 -114 -113 -112 -111
+            -110 -109 -108 -107 -106 -105 -104 -103 -102 -101 -100 -99 -98 -97 -96 -95 -94 -93 -92 -91
+            -90 -89 -88 -87 -86 -85 -84 -83 -82 -81 -80 -79 -78 -77 -76 -75 -74 -73 -72 -71 -70 -69 -68
+            -67 -66 -65 -64 -63 -62 -61 -60 -59 -58 -57 -56 -55 -54 -53 -52 -51 -50 -49 -48 -47 -46 -45
+            -44 -43 -42 -41 -40 -39 -38 -37 -36 -35 -34 -33 -32 -31 -30 -29 -28 -27 -26 -25 -24 -23 -22
+            -21 -20 -19 -18 -17 -16 -15 -14 -13 -12 -11 -10 -9 -8 -7 -6 -5 -4 -3 -2 -1 0 1 2 3 4 5 6 7 8
+            9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36 37 38 39
+            40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64 65 66 67 68 69 70
+            71 72 73 74 75 76 77 78 79 80 81 82 83 84 85 86 87 88 89 90 91 92 93 94 95 96 97 98 99 100
+            101 102 103 104 105 106 107 108 109 110 111 112 113 114 115 116 117 118 119 120 121 122 123
+            124 125 126 127
+        )
+    };
+}
+
+/// What is known of a reference's row; of references beyond the arms, another one's.
 #[inline(always)]
 fn known<M: Model>(saved: &mut Saved<M>, reference: u32) -> Known {
-    match_rows!(reference, saved:
-        -128 -127 -126 -125 -124 -123 -122 -121 -120 -119 -118 -117 -116 -115 -114 -113 -112 -111
-        -110 -109 -108 -107 -106 -105 -104 -103 -102 -101 -100 -99 -98 -97 -96 -95 -94 -93 -92 -91
-        -90 -89 -88 -87 -86 -85 -84 -83 -82 -81 -80 -79 -78 -77 -76 -75 -74 -73 -72 -71 -70 -69 -68
-        -67 -66 -65 -64 -63 -62 -61 -60 -59 -58 -57 -56 -55 -54 -53 -52 -51 -50 -49 -48 -47 -46 -45
-        -44 -43 -42 -41 -40 -39 -38 -37 -36 -35 -34 -33 -32 -31 -30 -29 -28 -27 -26 -25 -24 -23 -22
-        -21 -20 -19 -18 -17 -16 -15 -14 -13 -12 -11 -10 -9 -8 -7 -6 -5 -4 -3 -2 -1 0 1 2 3 4 5 6 7 8
-        9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36 37 38 39
-        40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64 65 66 67 68 69 70
-        71 72 73 74 75 76 77 78 79 80 81 82 83 84 85 86 87 88 89 90 91 92 93 94 95 96 97 98 99 100
-        101 102 103 104 105 106 107 108 109 110 111 112 113 114 115 116 117 118 119 120 121 122 123
-        124 125 126 127
-    )
+    match_rows!(arm, reference, saved)
+}
+
+/// Place and type of an Integer or a Boolean; 0 of what is none, is a parameter, or does not lie in `saved`; of
+/// references beyond the arms, another one's.
+#[inline(always)]
+fn place<M: Model>(saved: &mut Saved<M>, reference: u32) -> u32 {
+    match_rows!(other_arm, reference, saved)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use core::ffi::{c_int, c_void};
 use core::slice::{from_raw_parts, from_raw_parts_mut};
 
 impl<M: Model> Library<M> {
-    /// `fmi2GetReal`: what is plain at once, everything else as for other types.
+    /// `fmi2GetReal`: what is plain at once, everything else as for other types. Where it fails, all values are NaN.
     #[inline(always)]
     pub unsafe fn get_reals(
         &self,
@@ -92,8 +92,8 @@ impl<M: Model> Library<M> {
         })
     }
 
-    /// [`Self::get`] of Reals, from wherever the instance is. The arguments lie where those of
-    /// `fmi2GetReal` do.
+    /// [`Self::get`] of Reals, from wherever the instance is; where that fails, all values are NaN. The arguments lie
+    /// where those of `fmi2GetReal` do.
     #[cold]
     #[inline(never)]
     unsafe extern "C" fn get_carefully(
@@ -113,7 +113,14 @@ impl<M: Model> Library<M> {
             return Status::Ok;
         }
         // SAFETY: the same.
-        unsafe { library.get::<f64, f64>(component, references, count, values) }
+        let status = unsafe { library.get::<f64, f64>(component, references, count, values) };
+        if status != Status::Ok && plausible::<M>(count).is_ok() {
+            // SAFETY: the same.
+            if let Ok(values) = unsafe { slice_mut("value", values, count) } {
+                values.fill(f64::NAN);
+            }
+        }
+        status
     }
 
     /// [`Self::set`] of Reals, from wherever the instance is. The arguments lie where those of

@@ -93,6 +93,22 @@ fn it_is_computed_once_when_it_is_read() {
     assert_eq!(counter.now.model.updates, before + 1);
 }
 
+#[test]
+fn who_reads_many_after_every_step_gets_them_at_once() {
+    let mut counter = counted();
+    let mut at_once = |time: f64, reference: u32| {
+        silent(|log| counter.step(time, 1.0, log)).unwrap();
+        counter.get_plainly(&[reference; 12], &mut [f64::NAN; 12])
+    };
+    let looks = [SQUARE, SQUARE, COUNT, COUNT, SQUARE, SQUARE];
+    let looks: Vec<bool> = (2..8)
+        .zip(looks)
+        .map(|(k, reference)| at_once(f64::from(k), reference))
+        .collect();
+    // Where it was not read after the step before, the first look finds out that it is wanted.
+    assert_eq!(looks, [false, true, true, true, false, true]);
+}
+
 fn read_flag(counter: &mut Instance<Counter>, reference: u32) -> Option<bool> {
     let mut value = [false];
     let plain = counter.get_others_plainly(&[reference], &mut value);

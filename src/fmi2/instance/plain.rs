@@ -17,10 +17,10 @@ impl<M: Model> Instance<M> {
         plain.then_some(end)
     }
 
-    /// [`Self::get`] of Reals where that needs no second look; else it does nothing and returns false.
+    /// [`Self::get`] of Reals where that needs no second look; else it returns false, and what it wrote is void.
     #[inline(always)]
     pub(crate) fn get_plainly(&mut self, references: &[u32], values: &mut [f64]) -> bool {
-        !self.now.stale && real::get(&mut self.now, references, values)
+        !self.now.stale && real::get(&mut self.now, &mut self.wanted, references, values)
     }
 
     /// [`Self::get`] of another type where that needs no second look; else it does nothing and returns false.
