@@ -13,6 +13,8 @@ pub struct Signals {
     reals: Vec<u32>,
     integers: Narrow,
     booleans: Narrow,
+    /// Integers and booleans as they are read.
+    read: Vec<i32>,
 }
 
 /// Integers or booleans: in the loop they are numbers, here they are what FMI calls them.
@@ -50,11 +52,18 @@ impl Narrow {
         self.given.extend_from_slice(numbers);
         new
     }
+}
 
-    #[inline(always)]
-    fn widen(&self, numbers: &mut [f64]) {
-        let places = numbers.iter_mut().zip(&self.values);
-        places.for_each(|(number, value)| *number = f64::from(*value));
+/// Integers and booleans as numbers.
+#[inline(always)]
+fn widen(values: &[i32], numbers: &mut [f64]) {
+    let (fours, rest) = values.as_chunks::<4>();
+    let (to, few) = numbers.as_chunks_mut::<4>();
+    for (to, four) in to.iter_mut().zip(fours) {
+        *to = four.map(f64::from);
+    }
+    for (number, value) in few.iter_mut().zip(rest) {
+        *number = f64::from(*value);
     }
 }
 
@@ -69,6 +78,7 @@ impl Signals {
                 Family::Boolean => signals.booleans.push(variable.reference),
             }
         }
+        signals.read = vec![0; signals.integers.values.len() + signals.booleans.values.len()];
         signals
     }
 
@@ -106,18 +116,17 @@ impl Signals {
         if narrow.is_empty() {
             return Ok(());
         }
-        let (integers, booleans) =
-            narrow.split_at_mut(self.integers.values.len().min(narrow.len()));
+        let count = self.integers.references.len().min(self.read.len());
+        let (integers, booleans) = self.read.split_at_mut(count);
         if !integers.is_empty() {
-            let done = instance.get_integer(&self.integers.references, &mut self.integers.values);
+            let done = instance.get_integer(&self.integers.references, integers);
             done.map_err(|status| ("fmi2GetInteger", status))?;
-            self.integers.widen(integers);
         }
         if !booleans.is_empty() {
-            let done = instance.get_boolean(&self.booleans.references, &mut self.booleans.values);
+            let done = instance.get_boolean(&self.booleans.references, booleans);
             done.map_err(|status| ("fmi2GetBoolean", status))?;
-            self.booleans.widen(booleans);
         }
+        widen(&self.read, narrow);
         Ok(())
     }
 }

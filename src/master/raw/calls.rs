@@ -37,10 +37,16 @@ impl Calls {
         Some((instance, NAMES.get(function)?))
     }
 
+    /// Tells a call into the instance of this word ([`of`]).
     #[inline]
-    pub(crate) fn enter(&self, instance: u32, function: u64) {
-        self.0.store(u64::from(instance) << 8 | function, Relaxed);
+    pub(crate) fn enter(&self, instance: u64, function: u64) {
+        self.0.store(instance | function, Relaxed);
     }
+}
+
+/// The word of an instance for [`Calls::enter`].
+pub(crate) const fn of(instance: u32) -> u64 {
+    (instance as u64) << 8
 }
 
 /// Number of a function for [`Calls::enter`]; in a `const` an unknown one does not compile.
@@ -70,7 +76,7 @@ mod tests {
         assert_eq!(calls.last(), None);
         for (k, name) in NAMES.iter().enumerate() {
             let instance = u32::try_from(1000 * k).unwrap();
-            calls.enter(instance, number(name));
+            calls.enter(of(instance), number(name));
             assert_eq!(calls.last(), Some((1000 * k, *name)));
         }
     }

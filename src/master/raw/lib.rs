@@ -78,6 +78,7 @@ fn ours(import: &Fmi2Import) -> bool {
 /// A living instance; freed and unloaded when dropped, not terminated.
 pub struct Instance {
     component: fmi2Component,
+    access: Access,
     binding: Fmi2Binding,
     /// Until the FMU is freed it may call these, and they add to the log.
     _callbacks: Box<fmi2CallbackFunctions>,
@@ -149,6 +150,7 @@ impl Instance {
         }
         Ok(Self {
             component,
+            access: Access::of(&binding),
             binding,
             _callbacks: callbacks,
             log,
@@ -274,20 +276,30 @@ impl Instance {
 
 /// Functions of one type: as many values as both slices have.
 macro_rules! access {
-    ($($name:ident $function:ident $kind:ty, $pointer:ident $($mutable:ident)?;)*) => {
+    ($($name:ident $function:ident $kind:ty, $pointer:ident $to:tt $($mutable:ident)?;)*) => {
+        /// Functions that every step calls, of those of the binding that are there.
+        struct Access {$(
+            $name: Option<unsafe extern "C" fn(fmi2Component, *const u32, usize, *$to $kind) -> fmi2Status>,
+        )*}
+
+        impl Access {
+            fn of(binding: &Fmi2Binding) -> Self {
+                Self {$(
+                    $name: binding.$function.as_ref().ok().copied(),
+                )*}
+            }
+        }
+
         impl Instance {$(
             #[doc = concat!(stringify!($function), ".")]
             #[inline]
             pub fn $name(&mut self, references: &[u32], values: &$($mutable)? [$kind]) -> Called {
                 let count = references.len().min(values.len());
                 let (references, values) = (references.as_ptr(), values.$pointer());
-                if self.binding.$function.is_err() {
-                    return Err(Status::Missing);
-                }
+                let function = self.access.$name.ok_or(Status::Missing)?;
                 self.log.enter(const { number(stringify!($function)) });
-                let at = self.component;
                 // SAFETY: the instance lives, and both arrays have `count` elements at least.
-                let status = unsafe { self.binding.$function(at, references, count, values) };
+                let status = unsafe { function(self.component, references, count, values) };
                 Status::check(status)
             }
         )*}
@@ -295,12 +307,12 @@ macro_rules! access {
 }
 
 access! {
-    set_real fmi2SetReal f64, as_ptr;
-    set_integer fmi2SetInteger i32, as_ptr;
-    set_boolean fmi2SetBoolean i32, as_ptr;
-    get_real fmi2GetReal f64, as_mut_ptr mut;
-    get_integer fmi2GetInteger i32, as_mut_ptr mut;
-    get_boolean fmi2GetBoolean i32, as_mut_ptr mut;
+    set_real fmi2SetReal f64, as_ptr const;
+    set_integer fmi2SetInteger i32, as_ptr const;
+    set_boolean fmi2SetBoolean i32, as_ptr const;
+    get_real fmi2GetReal f64, as_mut_ptr mut mut;
+    get_integer fmi2GetInteger i32, as_mut_ptr mut mut;
+    get_boolean fmi2GetBoolean i32, as_mut_ptr mut mut;
 }
 
 impl Drop for Instance {

@@ -1,6 +1,6 @@
 //! What an FMU says through its logger, with the time at which it says it.
 
-use crate::calls::Calls;
+use crate::calls::{Calls, of};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -34,9 +34,9 @@ pub struct Log {
     /// Bits of the communication point [s].
     now: AtomicU64,
     messages: Mutex<Vec<Message>>,
-    /// Where the calls of its run are told, and the number of its instance there.
+    /// Where the calls of its run are told, and the word of its instance there.
     calls: Arc<Calls>,
-    number: u32,
+    word: u64,
     /// FMUs of others are asked to log, too.
     asks: bool,
     /// The instance was not asked to.
@@ -48,7 +48,7 @@ impl Log {
     pub fn new(calls: Arc<Calls>, number: u32, asks: bool) -> Self {
         Self {
             calls,
-            number,
+            word: of(number),
             asks,
             ..Self::default()
         }
@@ -56,7 +56,7 @@ impl Log {
 
     #[inline]
     pub(crate) fn enter(&self, function: u64) {
-        self.calls.enter(self.number, function);
+        self.calls.enter(self.word, function);
     }
 
     /// Whether an instance is to log; one that is `ours` is in any case.
