@@ -112,31 +112,41 @@ impl Run {
             let row = script.get(k * count..(k + 1) * count);
             row.unwrap_or_default()
         };
-        let mut done = self.initialize(plan, times, scripted(0));
-        if done.is_ok() {
-            done = self
-                .record(&mut recorder, 0.0)
-                .and_then(|()| self.look(0.0));
-        }
-        for (k, pair) in times.windows(2).enumerate() {
-            let &[time, next] = pair else { break };
-            if done.is_ok() && watch.ends(k) {
-                done = Err(Error::Ended { time });
-            }
-            if done.is_err() {
-                break;
-            }
-            let script = (scripted(k), scripted(k + 1));
-            done = self.pass((time, next), script, &mut recorder);
-            if done.is_ok() && (k + 1).is_multiple_of(rest::EVERY) {
-                done = self.look(next);
-            }
-        }
-        if matches!(done, Err(Error::Over { .. })) && recorder.good() == times.len() {
-            done = Ok(());
-        }
+        let done = self
+            .initialize(plan, times, scripted(0))
+            .and_then(|()| self.record(&mut recorder, 0.0))
+            .and_then(|()| self.look(0.0))
+            .and_then(|()| self.go(times, scripted, &mut recorder, watch));
+        let done = match done {
+            Err(Error::Over { .. }) if recorder.good() == times.len() => Ok(()),
+            done => done,
+        };
         let last = times.last().copied().unwrap_or_default();
         (recorder.good(), done.and_then(|()| self.look(last)))
+    }
+
+    /// Takes all steps of a run.
+    fn go<'a>(
+        &mut self,
+        times: &[f64],
+        scripted: impl Fn(usize) -> &'a [f64],
+        recorder: &mut Recorder<'_>,
+        watch: &Watch,
+    ) -> Result<(), Error> {
+        let mut begin = scripted(0);
+        for (k, pair) in times.windows(2).enumerate() {
+            let &[time, next] = pair else { break };
+            if watch.ends(k) {
+                return Err(Error::Ended { time });
+            }
+            let end = scripted(k + 1);
+            self.pass((time, next), (begin, end), recorder)?;
+            if (k + 1).is_multiple_of(rest::EVERY) {
+                self.look(next)?;
+            }
+            begin = end;
+        }
+        Ok(())
     }
 
     /// Goes from one communication point [s] to the next and records it; an FMU may ask to end the simulation there.
@@ -148,12 +158,15 @@ impl Run {
         recorder: &mut Recorder<'_>,
     ) -> Result<(), Error> {
         let step = (time, next - time);
-        let done = self.advance(step, script);
-        if done.as_ref().is_err_and(|why| !is_over_after(why, step)) {
-            return done;
+        let Err(why) = self.advance(step, script) else {
+            self.play(script.1);
+            return self.record(recorder, next);
+        };
+        if is_over_after(&why, step) {
+            self.play(script.1);
+            self.record(recorder, next)?;
         }
-        self.play(script.1);
-        self.record(recorder, next).and(done)
+        Err(why)
     }
 
     /// Passes initial values on until nothing changes.
