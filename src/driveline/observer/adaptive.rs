@@ -126,7 +126,7 @@ impl Adaptive {
         gains: [f64; GAINS],
         design: Method,
     ) -> Estimate {
-        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+        if !sample.may_enter(h) {
             return self.refuse();
         }
         let at = Instant::new(p, sample);

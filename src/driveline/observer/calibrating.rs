@@ -193,7 +193,7 @@ impl Observer for Calibrating {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+        if !sample.may_enter(h) {
             return self.refuse(settings);
         }
         let (p, sample) = &self.known(p, settings, sample);

@@ -221,7 +221,7 @@ impl Encoders {
         sample: &Sample,
         h: f64,
     ) -> Option<(Sample, Settings)> {
-        let usable = sample.is_finite() && h.is_finite() && h > 0.0;
+        let usable = sample.may_enter(h);
         if !usable {
             return None;
         }

@@ -168,7 +168,7 @@ impl Observer for Energy {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+        if !sample.may_enter(h) {
             return self.refuse();
         }
         let gains = if settings.scheduled {

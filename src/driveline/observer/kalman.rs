@@ -124,7 +124,7 @@ impl Observer for Kalman {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+        if !sample.may_enter(h) {
             return self.tracker.refuse();
         }
         self.tracker.follow(p, sample, h);

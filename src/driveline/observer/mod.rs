@@ -100,18 +100,24 @@ impl Sample {
     #[inline(never)] // asked in several places, of which one is in the cache then
     pub fn is_finite(&self) -> bool {
         let [one, two] = self.actuation;
-        let real = [
-            self.t_e,
-            self.omega_e,
-            self.omega_w,
-            self.t_brake,
-            self.phi,
-            self.t_y,
+        let pairs = [
+            [one.position, one.pressure],
+            [two.position, two.pressure],
+            [self.t_e, self.omega_e],
+            self.omega_c,
+            [self.omega_w, self.t_brake],
+            [self.phi, self.t_y],
         ];
-        let actuators = [one.position, one.pressure, two.position, two.pressure];
-        let all = || real.iter().chain(&self.omega_c).chain(&actuators);
         // Terms that are too large for a sum of numbers add up to an infinity: they are looked at one by one.
-        all().sum::<f64>().is_finite() || all().all(|value| value.is_finite())
+        let sums = pairs.into_iter().fold([0.0; 2], |sums, pair| {
+            [sums[0] + pair[0], sums[1] + pair[1]]
+        });
+        (sums[0] + sums[1]).is_finite() || pairs.iter().flatten().all(|value| value.is_finite())
+    }
+
+    /// Whether it may enter an observer `h` [s] after the last one.
+    fn may_enter(&self, h: f64) -> bool {
+        h > 0.0 && h < f64::INFINITY && self.is_finite()
     }
 }
 

@@ -63,7 +63,7 @@ impl Shift {
 
     /// The sample `h` [s] after the last one with the gears that are in, and T_y.
     pub fn step(&mut self, p: &Params, sample: &Sample, h: f64) -> Sample {
-        if !(sample.is_finite() && h.is_finite() && h > 0.0) {
+        if !sample.may_enter(h) {
             return *sample;
         }
         let mut t_y = 0.0;

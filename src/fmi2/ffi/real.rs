@@ -8,7 +8,7 @@
 //! here; they go the ordinary way. [`place`] is the same for Integers and Booleans.
 
 use crate::saved::Saved;
-use crate::value::Value;
+use crate::value::{Field, Value};
 use crate::{Access, Causality, Model, Variable};
 use core::mem::{offset_of, size_of};
 use core::ptr::{from_mut, from_ref};
@@ -287,7 +287,7 @@ impl Known {
 }
 
 /// Accessor and role of a Real that is no parameter.
-const fn row<M: Model>(index: usize) -> Option<(fn(&mut M) -> &mut f64, Known)> {
+const fn row<M: Model>(index: usize) -> Option<(Field<M, f64>, Known)> {
     if index >= M::VARIABLES.len() {
         return None;
     }
@@ -322,7 +322,7 @@ const fn index(row: i8) -> usize {
 
 /// How far from the start of `saved` a field of its model lies [B], if it lies in there.
 #[inline(always)]
-fn distance<M: Model, T>(saved: &mut Saved<M>, field: fn(&mut M) -> &mut T) -> Option<u32> {
+fn distance<M: Model, T>(saved: &mut Saved<M>, field: Field<M, T>) -> Option<u32> {
     const { assert!(size_of::<Saved<M>>() <= NEAR as usize) };
     let start = from_ref(saved).addr();
     let distance = from_ref(field(&mut saved.model)).addr().wrapping_sub(start);
