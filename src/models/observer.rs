@@ -209,7 +209,8 @@ impl Model for Observer {
         let Estimate { valid, engaged, .. } = self.y;
         let counted = self.state.may_count();
         let ticks = counted.then(|| self.state.recognised_ticks());
-        self.y = self.state.step(&self.p, &self.settings, &self.u, step);
+        self.state
+            .step_to(&self.p, &self.settings, &self.u, step, &mut self.y);
         self.phase = self.y.phase as i32;
         if valid && !self.y.valid || engaged != self.y.engaged {
             self.tell(valid, engaged, time + step, log);

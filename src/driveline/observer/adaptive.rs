@@ -21,7 +21,7 @@ use crate::observer::monitor::Monitor;
 use crate::observer::phase::alone;
 use crate::observer::schedule::lowest_ratios;
 use crate::observer::standstill::held;
-use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate, within};
+use crate::observer::{Estimate, Sample, Settings, Visit, brake, made, say_common, within};
 use nalgebra::{Vector2, Vector3};
 
 /// State of the observer.
@@ -113,21 +113,23 @@ impl Adaptive {
         self.monitor.start(p, sample);
         let mut now = self.now(&at, 1e-3, gains, design);
         now.t_v = self.load.step(&at, settings.load, &self.lock, 0.0);
-        self.estimate(settings, &at, &now)
+        made(|y| self.estimate(settings, &at, &now, y))
     }
 
-    /// Advances by `h` [s] with what `design` makes of `gains`.
+    /// Advances by `h` [s] with what a design makes of gains; `y` becomes the estimate, but for what these
+    /// methods never tell: consistency and calibration stay 0.
     pub fn step(
         &mut self,
         p: &Params,
         settings: &Settings,
         sample: &Sample,
         h: f64,
-        gains: [f64; GAINS],
-        design: Method,
-    ) -> Estimate {
+        (gains, design): ([f64; GAINS], Method),
+        y: &mut Estimate,
+    ) {
         if !sample.may_enter(h) {
-            return self.refuse();
+            *y = self.refuse();
+            return;
         }
         let at = Instant::new(p, sample);
         self.follow_gears(&at);
@@ -140,16 +142,16 @@ impl Adaptive {
             self.adapt(&now, settings.mu_n, h);
         }
         now.t_v = self.load.step(&at, settings.load, &self.lock, h);
-        let y = self.measured(&at);
-        now.j_v = self.j_v(p, sample, y, now.t_v);
+        let measured = self.measured(&at);
+        now.j_v = self.j_v(p, sample, measured, now.t_v);
         self.predict(settings, sample, &now);
-        self.innovation = y - self.x_hat.fixed_rows::<2>(0);
+        self.innovation = measured - self.x_hat.fixed_rows::<2>(0);
         let mu_hat = self.mu_hat(settings, &now.levers);
         let (engaged, e) = (self.lock.engaged(), self.innovation.into());
         self.friction.learn(&at, engaged, mu_hat, h);
         self.monitor.step(&at, engaged, e, h);
         self.monitor.saturated = self.saturated;
-        self.estimate(settings, &at, &now)
+        self.estimate(settings, &at, &now, y);
     }
 
     /// Visits every number of the state.
@@ -302,19 +304,17 @@ impl Adaptive {
         }
     }
 
-    fn estimate(&self, settings: &Settings, at: &Instant<'_>, now: &Now) -> Estimate {
+    fn estimate(&self, settings: &Settings, at: &Instant<'_>, now: &Now, y: &mut Estimate) {
         let (mu_f, t_c) = self.torques(settings, &now.levers);
         let (t_c_deviation, t_o_deviation) = self.unexplained(now);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        // Written where it is returned: it is large, and to move it costs as much as to find it.
-        let mut y = common_estimate(settings, at, engaged, fault);
+        say_common(y, settings, at, engaged, fault);
         (y.t_c, y.t_c_deviation) = (t_c, t_c_deviation);
         (y.t_o, y.t_o_deviation) = (self.x_hat[2], t_o_deviation);
         y.t_v = now.t_v;
         (y.mu_f, y.epsilon) = (mu_f, self.epsilon);
         y.friction = self.friction.mu;
         y.innovation = self.innovation.into();
-        y
     }
 
     /// Torques that L injects where the model leaves the motion unexplained [N·m]: an error of T_ci

@@ -57,7 +57,7 @@ use crate::observer::schedule::{followed, scaled};
 use crate::observer::speeds::output_speed;
 use crate::observer::standstill::held;
 use crate::observer::{
-    Estimate, Observer, Sample, Settings, Visit, brake, common_estimate, visit_switch, within,
+    Estimate, Observer, Sample, Settings, Visit, brake, made, say_common, visit_switch, within,
 };
 use nalgebra::Vector3;
 
@@ -376,7 +376,7 @@ impl Energy {
         let unexplained = (model.speeds.j_ed * l[0] * e).abs();
         let pressed = self.levers(now).map(|w| w != 0.0);
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let common = common_estimate(settings, now, engaged, fault);
+        let common = made(|y| say_common(y, settings, now, engaged, fault));
         let said = Estimate {
             t_c: self.torques(settings, now),
             t_o: model.t_o(&self.x_hat),

@@ -272,29 +272,44 @@ pub trait Observer {
     /// not > 0 and finite, changes nothing: clutch torques of 0 come back, not valid.
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate;
 
+    /// [`Self::step`], whose estimate is written where the last one stands, that of [`Self::start`] or of a step: it is
+    /// large, and to move it takes time.
+    fn step_to(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        h: f64,
+        y: &mut Estimate,
+    ) {
+        *y = self.step(p, settings, sample, h);
+    }
+
     /// Visits every number of the state, in a fixed order: saves and restores it.
     fn visit(&mut self, visit: Visit<'_>);
 }
 
+/// The estimate that is written to its place.
+fn made(write: impl FnOnce(&mut Estimate)) -> Estimate {
+    let mut y = Estimate::default();
+    write(&mut y);
+    y
+}
+
 /// What every method says alike: map-based torques, phase, excitation, and whether it can be used.
-fn common_estimate(
+fn say_common(
+    y: &mut Estimate,
     settings: &Settings,
     now: &Instant<'_>,
     engaged: [bool; 2],
     fault: Option<Fault>,
-) -> Estimate {
+) {
     let pressed = now.pressed();
-    let (t_c_map, t_o_map) = torques_of(settings.mu_n, now);
-    Estimate {
-        t_c_map,
-        t_o_map,
-        engaged,
-        excitation: phase::shown(now, pressed),
-        phase: Phase::from_clutches(pressed, engaged),
-        valid: fault.is_none(),
-        fault,
-        ..Estimate::default()
-    }
+    (y.t_c_map, y.t_o_map) = torques_of(settings.mu_n, now);
+    y.engaged = engaged;
+    y.excitation = phase::shown(now, pressed);
+    y.phase = Phase::from_clutches(pressed, engaged);
+    (y.valid, y.fault) = (fault.is_none(), fault);
 }
 
 /// Map-based torque of each clutch, μ_i,n F_map,i r_ci N_i, and its drive-shaft torque [N·m].

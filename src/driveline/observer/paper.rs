@@ -36,7 +36,7 @@ use crate::Params;
 use crate::observer::adaptive::Adaptive;
 use crate::observer::design::{At, Design, GAINS};
 use crate::observer::schedule::{paced, scaled};
-use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
+use crate::observer::{Estimate, Observer, Sample, Settings, Visit, made};
 use crate::reduced::Reduced;
 use nalgebra::SMatrix;
 
@@ -199,9 +199,19 @@ impl Observer for Paper {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
-        let gains = at_step(settings, h);
-        self.core
-            .step(p, settings, sample, h, gains.numbers(), design)
+        made(|y| self.step_to(p, settings, sample, h, y))
+    }
+
+    fn step_to(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        h: f64,
+        y: &mut Estimate,
+    ) {
+        let gains = at_step(settings, h).numbers();
+        self.core.step(p, settings, sample, h, (gains, design), y);
     }
 
     fn visit(&mut self, visit: Visit<'_>) {

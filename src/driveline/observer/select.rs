@@ -4,7 +4,7 @@ use crate::Params;
 use crate::observer::encoder::Encoders;
 use crate::observer::shift::Shift;
 use crate::observer::{
-    Calibrating, Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit,
+    Calibrating, Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit, made,
 };
 
 /// Methods of estimation.
@@ -87,8 +87,19 @@ impl Observer for Selected {
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
+        made(|y| self.step_to(p, settings, sample, h, y))
+    }
+
+    fn step_to(
+        &mut self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        h: f64,
+        y: &mut Estimate,
+    ) {
         let (inputs, acting) = self.parts();
-        inputs.step(acting, p, settings, sample, h)
+        inputs.step_to(acting, p, settings, (sample, h), y);
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -140,6 +151,18 @@ impl Inputs {
         sample: &Sample,
         h: f64,
     ) -> Estimate {
+        made(|y| self.step_to(acting, p, settings, (sample, h), y))
+    }
+
+    /// [`Self::step`], whose estimate is written to `y`; `h` stands beside the sample.
+    pub fn step_to(
+        &mut self,
+        acting: &mut dyn Observer,
+        p: &Params,
+        settings: &Settings,
+        (sample, h): (&Sample, f64),
+        y: &mut Estimate,
+    ) {
         let counted = self.encoders.step(settings, sample, h);
         let (sample, settings) = match &counted {
             Some((sample, settings)) => (sample, settings),
@@ -147,9 +170,9 @@ impl Inputs {
         };
         let sample = self.shift.step(p, sample, h);
         if p.gears_add_inertia() {
-            step_in_gears(acting, p, settings, &sample, h)
+            step_in_gears(acting, p, settings, (&sample, h), y);
         } else {
-            acting.step(p, settings, &sample, h)
+            acting.step_to(p, settings, &sample, h, y);
         }
     }
 
@@ -167,8 +190,50 @@ fn step_in_gears(
     acting: &mut dyn Observer,
     p: &Params,
     settings: &Settings,
-    sample: &Sample,
-    h: f64,
-) -> Estimate {
-    acting.step(&p.in_gears(sample.gear), settings, sample, h)
+    (sample, h): (&Sample, f64),
+    y: &mut Estimate,
+) {
+    acting.step_to(&p.in_gears(sample.gear), settings, sample, h, y);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Method, Observer as _, Selected};
+    use crate::Params;
+    use crate::observer::{Sample, Settings};
+    use crate::params::Actuation;
+
+    #[test]
+    fn an_estimate_is_the_same_wherever_it_is_written() {
+        let slips = Sample {
+            t_e: 100.0,
+            omega_e: 200.0,
+            omega_c: [180.0, 115.0],
+            omega_w: 10.0,
+            actuation: [5e-3, 0.0].map(|position| Actuation {
+                position,
+                ..Actuation::default()
+            }),
+            gear: [1, 2],
+            ..Sample::default()
+        };
+        let none = Sample {
+            t_e: f64::NAN,
+            ..slips
+        };
+        let (p, settings) = (Params::TABLE_1, Settings::CASE_1);
+        for method in Method::ALL {
+            let mut observer = Selected::new(method);
+            let mut y = observer.start(&p, &settings, &slips);
+            let mut other = observer;
+            for (k, sample) in [slips, slips, none, slips, none, none, slips]
+                .iter()
+                .enumerate()
+            {
+                let expected = observer.step(&p, &settings, sample, 1e-3);
+                other.step_to(&p, &settings, sample, 1e-3, &mut y);
+                assert_eq!(y, expected, "{method:?}, step {k}");
+            }
+        }
+    }
 }

@@ -15,7 +15,7 @@ use crate::observer::phase::pressed;
 use crate::observer::speeds::{Speeds, output_speed};
 use crate::observer::standstill::held;
 use crate::observer::swing::Swing;
-use crate::observer::{Estimate, Sample, Settings, Visit, brake, common_estimate};
+use crate::observer::{Estimate, Sample, Settings, Visit, brake, made, say_common};
 use nalgebra::SVector;
 
 /// Index of ω_e [rad/s].
@@ -246,7 +246,7 @@ impl<const N: usize> Tracker<N> {
         let t_o = [(T_S, 1.0), (W_O, c), (W_W, -c)];
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
         let now = Instant::new(p, sample);
-        let common = common_estimate(settings, &now, engaged, fault);
+        let common = made(|y| say_common(y, settings, &now, engaged, fault));
         let said = Estimate {
             t_c: self.t_c,
             t_o: along(&t_o, x),
