@@ -47,7 +47,7 @@ impl<'a> Recorder<'a> {
 
     /// Adds the signals of the world that are kept, `None` for all, and tells whether all of the world are
     /// numbers; a row of a world of which that is not true is written over by the next one.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, world: &[f64], kept: Option<&Places>) -> bool {
         let begin = self.good * self.width;
         let (there, good) = match &mut self.rows {
@@ -70,7 +70,7 @@ pub fn open(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
 }
 
 /// Writes a row at its place; returns whether there is one, and whether all of the world are numbers.
-#[inline]
+#[inline(always)]
 fn write(
     (rows, begin, width): (&mut [f64], usize, usize),
     world: &[f64],

@@ -219,6 +219,7 @@ impl Run {
     }
 
     /// Steps all components; over the step the scenario goes from one row to the next.
+    #[inline(always)]
     fn advance(&mut self, (time, step): (f64, f64), script: (&[f64], &[f64])) -> Result<(), Error> {
         let Self { parts, world, .. } = self;
         if let Some(slopes) = &mut self.slopes {
@@ -247,7 +248,7 @@ impl Run {
             .for_each(|(place, value)| *place = *value);
     }
 
-    #[inline]
+    #[inline(always)]
     fn record(&self, recorder: &mut Recorder<'_>, time: f64) -> Result<(), Error> {
         if recorder.push(&self.world, self.kept.as_ref()) {
             return Ok(());
