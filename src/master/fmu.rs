@@ -72,6 +72,11 @@ impl Fmu {
         })
     }
 
+    /// Sets from now on only those inputs of `new` that `keep` says.
+    pub fn retain_inputs(&mut self, keep: &[bool]) {
+        self.inputs.retain(keep);
+    }
+
     /// Lets steps set the derivatives of inputs, which are those of `new`.
     pub fn steer(&mut self, inputs: &[&Variable]) {
         self.steered = Derivatives::new(inputs, Variable::follows);

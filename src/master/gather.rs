@@ -9,6 +9,8 @@ use std::collections::HashMap;
 #[derive(Debug, Default)]
 pub struct Gather {
     sources: Places,
+    /// Those that are not gathered for a while, too.
+    all: Vec<usize>,
     /// Only where noise is added: place, source of the noise.
     noises: Vec<(usize, usize)>,
     /// Factor and offset of each.
@@ -58,6 +60,7 @@ impl Gather {
             }
             gather.push(place, input, name);
         }
+        gather.all.clone_from(&sources);
         gather.sources = Places::new(sources);
         Ok(gather)
     }
@@ -82,6 +85,20 @@ impl Gather {
         let held = all.filter(|(_, follows)| !**follows);
         self.held = held.map(|(place, _)| place).collect();
         self.slopes = vec![0.0; self.values.len()];
+    }
+
+    /// Gathers all but what the scenario leaves `still`, its signals being the first of the world; returns which
+    /// ones it gathers. Nothing changes where values change on their way, or have slopes.
+    pub fn hold(&mut self, still: &[bool]) -> Option<Vec<bool>> {
+        if self.changes || !self.slopes.is_empty() {
+            return None;
+        }
+        let moves = |source: &usize| !still.get(*source).is_some_and(|still| *still);
+        let keep: Vec<bool> = self.all.iter().map(moves).collect();
+        let sources = kept(&self.all, &keep);
+        self.values.resize(sources.len(), 0.0);
+        self.sources = Places::new(sources);
+        Some(keep)
     }
 
     /// Whether it reads one of these places of the world.
@@ -147,6 +164,12 @@ impl Gather {
     }
 }
 
+/// Those that `keep` says.
+pub fn kept<T: Copy>(all: &[T], keep: &[bool]) -> Vec<T> {
+    let all = all.iter().zip(keep).filter(|(_, keep)| **keep);
+    all.map(|(one, _)| *one).collect()
+}
+
 impl Table {
     fn look_up(&self, value: f64, time: f64) -> Result<f64, Error> {
         let row = self.rows.iter().find(|(source, _)| *source == value);
@@ -194,6 +217,36 @@ mod tests {
             gather.gather(&[0.0, 3.0, 0.0], 0.0).unwrap();
             assert_eq!(gather.values, [expected], "{line:?}");
         }
+    }
+
+    #[test]
+    fn what_is_still_is_not_gathered_until_it_moves() {
+        let input = |source: &str| Input {
+            name: source.into(),
+            source: source.into(),
+            line: (1.0, 0.0),
+            table: vec![],
+            noise: None,
+            initial: None,
+        };
+        let places = HashMap::from([("a", 0), ("b", 1), ("c", 2)]);
+        let inputs = ["b", "c", "a"].map(input);
+        let mut gather = Gather::new("plant", &inputs, &places).unwrap();
+        for (still, expected) in [
+            ([true, false], &[2.0, 3.0][..]),
+            ([false, true], &[3.0, 1.0]),
+            ([false, false], &[2.0, 3.0, 1.0]),
+        ] {
+            let keep = gather.hold(&still).unwrap();
+            assert_eq!(keep, [!still[1], true, !still[0]]);
+            gather.gather(&[1.0, 2.0, 3.0], 0.0).unwrap();
+            assert_eq!(gather.values, expected);
+        }
+    }
+
+    #[test]
+    fn what_changes_on_its_way_is_gathered_on() {
+        assert_eq!(gather((1.0, 0.0), vec![]).hold(&[true; 3]), None);
     }
 
     #[test]

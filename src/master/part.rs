@@ -162,6 +162,15 @@ impl Part {
         discard::step(&mut self.fmu, &mut translator.inputs, their_slopes, span)
     }
 
+    /// Sets all inputs but those whose signals of the scenario are `still`: they keep what they have been set to.
+    pub fn hold(&mut self, still: &[bool]) {
+        if self.translator.is_none()
+            && let Some(keep) = self.gather.hold(still)
+        {
+            self.fmu.retain_inputs(&keep);
+        }
+    }
+
     /// Prepares for interpolation.
     pub fn steer(&mut self) {
         let library = self.library.clone();

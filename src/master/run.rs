@@ -33,6 +33,8 @@ pub struct Run {
     world: Vec<f64>,
     coupling: Coupling,
     slopes: Option<Slopes>,
+    /// Signals of the scenario that have not changed since the first step, which set them: columns and bits.
+    still: Vec<(usize, u64)>,
 }
 
 impl Run {
@@ -64,6 +66,7 @@ impl Run {
             all,
             script: plan.script.len(),
             coupling: plan.coupling,
+            still: vec![],
         })
     }
 
@@ -107,16 +110,11 @@ impl Run {
         mut recorder: Recorder<'_>,
         watch: &Watch,
     ) -> (usize, Result<(), Error>) {
-        let count = self.script;
-        let scripted = |k: usize| {
-            let row = script.get(k * count..(k + 1) * count);
-            row.unwrap_or_default()
-        };
         let done = self
-            .initialize(plan, times, scripted(0))
+            .initialize(plan, times, row(script, self.script, 0))
             .and_then(|()| self.record(&mut recorder, 0.0))
             .and_then(|()| self.look(0.0))
-            .and_then(|()| self.go(times, scripted, &mut recorder, watch));
+            .and_then(|()| self.go(times, script, &mut recorder, watch));
         let done = match done {
             Err(Error::Over { .. }) if recorder.good() == times.len() => Ok(()),
             done => done,
@@ -126,27 +124,49 @@ impl Run {
     }
 
     /// Takes all steps of a run.
-    fn go<'a>(
+    fn go(
         &mut self,
         times: &[f64],
-        scripted: impl Fn(usize) -> &'a [f64],
+        script: &[f64],
         recorder: &mut Recorder<'_>,
         watch: &Watch,
     ) -> Result<(), Error> {
-        let mut begin = scripted(0);
+        let mut begin = row(script, self.script, 0);
         for (k, pair) in times.windows(2).enumerate() {
             let &[time, next] = pair else { break };
             if watch.ends(k) {
                 return Err(Error::Ended { time });
             }
-            let end = scripted(k + 1);
+            let end = row(script, self.script, k + 1);
             self.pass((time, next), (begin, end), recorder)?;
+            if k == 0 && self.slopes.is_none() {
+                self.still = begin
+                    .iter()
+                    .map(|value| value.to_bits())
+                    .enumerate()
+                    .collect();
+            }
+            if !self.still.iter().all(|signal| is_still(signal, end)) {
+                self.release(end);
+            }
             if (k + 1).is_multiple_of(rest::EVERY) {
                 self.look(next)?;
             }
             begin = end;
         }
         Ok(())
+    }
+
+    /// Sets inputs in every step from now on whose signals change in a row of the scenario. The others keep what they
+    /// were set to in the first step, as variables do.
+    #[cold]
+    fn release(&mut self, row: &[f64]) {
+        self.still.retain(|signal| is_still(signal, row));
+        let columns = 0..self.script;
+        let still: Vec<bool> = columns
+            .map(|column| self.still.iter().any(|(still, _)| *still == column))
+            .collect();
+        self.parts.iter_mut().for_each(|part| part.hold(&still));
     }
 
     /// Goes from one communication point [s] to the next and records it; an FMU may ask to end the simulation there.
@@ -316,6 +336,20 @@ fn each(
         over = over.and(Err(error));
     }
     over
+}
+
+/// Row `k` of a script of so many signals.
+#[inline]
+fn row(script: &[f64], count: usize, k: usize) -> &[f64] {
+    let row = script.get(k * count..(k + 1) * count);
+    row.unwrap_or_default()
+}
+
+/// Whether a signal of the scenario has its bits in a row, too.
+#[inline]
+fn is_still((column, bits): &(usize, u64), row: &[f64]) -> bool {
+    row.get(*column)
+        .is_some_and(|value| value.to_bits() == *bits)
 }
 
 fn moved(now: f64, before: f64) -> bool {

@@ -1,6 +1,7 @@
 //! The inputs or outputs of one FMU: value references beside their values, one group per family.
 
 use crate::description::{Family, Variable};
+use crate::gather::kept;
 use cosim_raw::{Instance, Status};
 use num_traits::AsPrimitive;
 
@@ -15,6 +16,8 @@ pub struct Signals {
     booleans: Narrow,
     /// Integers and booleans as they are read.
     read: Vec<i32>,
+    /// References of all three, those that are left out for a while, too.
+    all: [Vec<u32>; 3],
 }
 
 /// Integers or booleans: in the loop they are numbers, here they are what FMI calls them.
@@ -27,9 +30,12 @@ struct Narrow {
 }
 
 impl Narrow {
-    fn push(&mut self, reference: u32) {
-        self.references.push(reference);
-        self.values.push(0);
+    fn new(references: Vec<u32>) -> Self {
+        Self {
+            values: vec![0; references.len()],
+            references,
+            given: vec![],
+        }
     }
 
     /// Takes numbers that the FMU is to have; false if it has them: variables keep what they are set to.
@@ -70,16 +76,33 @@ fn widen(values: &[i32], numbers: &mut [f64]) {
 impl Signals {
     /// Lays out variables, which come sorted by family.
     pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
-        let mut signals = Self::default();
+        let mut all = [const { vec![] }; 3];
         for variable in variables {
+            let [reals, integers, booleans] = &mut all;
             match variable.family {
-                Family::Real => signals.reals.push(variable.reference),
-                Family::Integer => signals.integers.push(variable.reference),
-                Family::Boolean => signals.booleans.push(variable.reference),
+                Family::Real => reals.push(variable.reference),
+                Family::Integer => integers.push(variable.reference),
+                Family::Boolean => booleans.push(variable.reference),
             }
         }
-        signals.read = vec![0; signals.integers.values.len() + signals.booleans.values.len()];
+        let count = all.iter().map(Vec::len).sum();
+        let mut signals = Self {
+            all,
+            ..Self::default()
+        };
+        signals.retain(&vec![true; count]);
         signals
+    }
+
+    /// Has from now on those of `new` that `keep` says.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let [reals, integers, booleans] = &self.all;
+        let (keep_reals, narrow) = keep.split_at(reals.len().min(keep.len()));
+        let (keep_integers, keep_booleans) = narrow.split_at(integers.len().min(narrow.len()));
+        self.reals = kept(reals, keep_reals);
+        self.integers = Narrow::new(kept(integers, keep_integers));
+        self.booleans = Narrow::new(kept(booleans, keep_booleans));
+        self.read = vec![0; self.integers.values.len() + self.booleans.values.len()];
     }
 
     /// Sets the FMU's variables; `numbers` has as many as there are.
@@ -142,8 +165,7 @@ mod tests {
 
     #[test]
     fn what_an_fmu_has_it_is_not_given_again() {
-        let mut gear = Narrow::default();
-        gear.push(7);
+        let mut gear = Narrow::new(vec![7]);
         let given = [0.0, 0.0, 2.0, 2.0, 2.4, 0.0].map(|number| gear.narrow(&[number]));
         assert_eq!(given, [true, false, true, false, false, true]);
         assert_eq!(gear.values, [0]);
