@@ -170,6 +170,8 @@ fn flags(folder: &Path, target: &Target, compiler: &Compiler) -> Vec<String> {
     if target.small {
         // LLVM writes out loops to 300 instructions each: 28 KiB of a plant, which save 4 % of a step.
         flags.push("-Cllvm-args=-unroll-threshold=80".into());
+        // Nor does `fmi2-cosim` read many Reals by a function of their own.
+        flags.push("--cfg=fmi2_small".into());
     }
     if target.extension == "so" {
         // Name libm where it is used: importers other than Python may not have it loaded.

@@ -92,7 +92,7 @@ pub(crate) fn get<M: Model>(
     references: &[u32],
     values: &mut [f64],
 ) -> bool {
-    if references.len() >= MANY {
+    if cfg!(not(fmi2_small)) && references.len() >= MANY {
         return get_many(saved, wanted, references, values);
     }
     let mut words = 0;
