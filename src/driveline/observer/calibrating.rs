@@ -26,7 +26,7 @@
 //! ```text
 //!                                       β      δ      w      κ      γ      λ      ν
 //! clutches open, idle (1 s)            0.00   0.96   0.04   1.00   1.00   1.00   1.00
-//! clutch 1 slips: launch               0.03   0.02   0.07   0.07   0.08   0.23   0.15
+//! clutch 1 slips: launch               0.03   0.02   0.07   0.07   0.08   0.23   0.16
 //! clutch 1 engages, the shaft swings   0.19   0.12   0.07   0.31   0.18   0.33   0.16
 //! clutch 1 engaged: steady drive       0.94   0.32   0.02   0.95   0.98   0.25   0.25
 //! handover                             0.18   0.04   0.14   0.43   0.32   0.35   0.17
