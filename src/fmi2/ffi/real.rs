@@ -7,8 +7,12 @@
 //! that does not lie in the model itself (in a `Box`, say), parameters and rows beyond the arms have no place
 //! here; they go the ordinary way. [`place`] is the same for Integers and Booleans.
 
+mod other;
+
+pub use other::Other;
+
 use crate::saved::Saved;
-use crate::value::{Field, Value};
+use crate::value::Field;
 use crate::{Access, Causality, Model, Variable};
 use core::mem::{offset_of, size_of};
 use core::ptr::{from_mut, from_ref};
@@ -30,20 +34,6 @@ const FIXED: u32 = ELSEWHERE | COMPUTED;
 const NEAR: u32 = (1 << 28) - 1;
 /// Bit of the place of what is computed on demand.
 const LATE: u32 = 1 << 28;
-
-/// A type other than Real whose values have places.
-pub trait Other: Value {
-    /// Bit of their places.
-    const BIT: u32;
-}
-
-impl Other for i32 {
-    const BIT: u32 = 1 << 29;
-}
-
-impl Other for bool {
-    const BIT: u32 = 1 << 30;
-}
 
 /// Reals that are read side by side, where there are so many.
 const FOUR: usize = 4;
@@ -197,10 +187,10 @@ pub(crate) fn get_others<M: Model, T: Other, A: From<T>>(
     }
     for (&reference, value) in references.iter().zip(values).rev() {
         let distance = place(saved, reference) & NEAR;
-        // SAFETY: just now and on this very `saved`, `other_arm` measured the distance to a T that lies in it, as the
-        // bit of its place says.
-        let field = unsafe { &*from_ref(saved).byte_add(distance as usize).cast::<T>() };
-        *value = (*field).into();
+        // SAFETY: just now and on this very `saved`, `other_arm` measured the distance to a T that lies in it; should an
+        // accessor lead elsewhere when it is asked again, that to the time.
+        let told = unsafe { T::at(from_ref(saved).byte_add(distance as usize).cast()) };
+        *value = told.into();
     }
     true
 }
@@ -259,7 +249,7 @@ impl Known {
     fn nowhere<M>() -> Self {
         Self {
             word: ELSEWHERE,
-            distance: u32::try_from(offset_of!(Saved<M>, time)).unwrap_or_default(),
+            distance: to_time::<M>(),
             low: f64::MIN,
             high: f64::MAX,
         }
@@ -320,6 +310,12 @@ const fn index(row: i8) -> usize {
     row.cast_unsigned().wrapping_add(128) as usize
 }
 
+/// How far from the start of [`Saved`] its time lies [B].
+#[inline(always)]
+fn to_time<M>() -> u32 {
+    u32::try_from(offset_of!(Saved<M>, time)).unwrap_or_default()
+}
+
 /// How far from the start of `saved` a field of its model lies [B], if it lies in there.
 #[inline(always)]
 fn distance<M: Model, T>(saved: &mut Saved<M>, field: Field<M, T>) -> Option<u32> {
@@ -344,14 +340,14 @@ fn arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> Known {
 #[inline(always)]
 fn other_arm<M: Model, const ROW: i8>(saved: &mut Saved<M>) -> u32 {
     let Some((access, bits)) = (const { other_row::<M>(index(ROW)) }) else {
-        return 0;
+        return to_time::<M>();
     };
     let distance = match access {
         Access::Integer(field) | Access::Enumeration(field, _) => distance(saved, field),
         Access::Boolean(field) => distance(saved, field),
         Access::Real(_) | Access::String(_) => None,
     };
-    distance.map_or(0, |distance| bits | distance)
+    distance.map_or(to_time::<M>(), |distance| bits | distance)
 }
 
 /// A macro, as an arm per row is written out: the compiler makes a table of a `match` on literals, and no generic
@@ -389,8 +385,8 @@ fn known<M: Model>(saved: &mut Saved<M>, reference: u32) -> Known {
     match_rows!(arm, reference, saved)
 }
 
-/// Place and type of an Integer or a Boolean; 0 of what is none, is a parameter, or does not lie in `saved`; of
-/// references beyond the arms, another one's.
+/// Place and type of an Integer or a Boolean; that of the time, and no type, of what is none, is a parameter, or does not
+/// lie in `saved`; of references beyond the arms, another one's.
 #[inline(always)]
 fn place<M: Model>(saved: &mut Saved<M>, reference: u32) -> u32 {
     match_rows!(other_arm, reference, saved)

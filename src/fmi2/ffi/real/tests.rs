@@ -10,6 +10,7 @@ struct Shelf {
     count: i32,
     flag: bool,
     far_flag: Box<bool>,
+    asked: bool,
 }
 
 impl Default for Shelf {
@@ -21,7 +22,18 @@ impl Default for Shelf {
             count: 0,
             flag: false,
             far_flag: Box::default(),
+            asked: false,
         }
+    }
+}
+
+/// Leads to a flag in the model and to one outside of it in turns.
+fn fickle(shelf: &mut Shelf) -> &mut bool {
+    shelf.asked = !shelf.asked;
+    if shelf.asked {
+        &mut shelf.flag
+    } else {
+        &mut shelf.far_flag
     }
 }
 
@@ -38,6 +50,7 @@ const FAR: u32 = 5;
 const FREE: u32 = 6;
 const FLAG: u32 = 7;
 const FAR_FLAG: u32 = 8;
+const FICKLE: u32 = 9;
 const ONE_OF_MANY: u32 = 24; // shares its bit with INPUT
 const LAST: u32 = ARMS - 1;
 const BEYOND: u32 = ARMS;
@@ -61,6 +74,7 @@ impl Model for Shelf {
         rows[6] = near::<4>();
         rows[7] = Variable::boolean_input("", |m: &mut Self| &mut m.flag, "");
         rows[8] = Variable::boolean_input("", |m: &mut Self| &mut m.far_flag, "");
+        rows[9] = Variable::boolean_input("", fickle, "");
         rows
     };
 
@@ -178,6 +192,20 @@ fn a_count_or_a_flag_is_read_where_all_that_is_asked_for_is_one() {
         &[INTEGER],
         &mut flags
     ));
+}
+
+/// An accessor that leads elsewhere when it is asked again costs a wrong answer, but no Boolean is neither 0 nor 1.
+#[test]
+fn a_place_that_is_gone_when_it_is_read_is_still_a_boolean() {
+    let mut shelf = Saved::<Shelf>::new();
+    shelf.time = f64::from_bits(2);
+    let mut flags = [7];
+    assert!(get_others::<_, bool, i32>(
+        &mut shelf,
+        &[FICKLE],
+        &mut flags
+    ));
+    assert_eq!(flags, [1]);
 }
 
 /// Whether it is plain to set these; if it is not, nothing changes.
