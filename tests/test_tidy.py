@@ -21,6 +21,7 @@ UNSAFE = {
     "src/fmi2/ffi.rs": "the C boundary of every FMU: instances",
     "src/fmi2/ffi/pointer.rs": "the importer's pointers become references",
     "src/fmi2/ffi/real.rs": "a variable is reached by its distance from the start of its model",
+    "src/fmi2/ffi/real/other.rs": "the same of Integers and Booleans",
     "src/fmi2/ffi/states.rs": "FMU states at that boundary",
     "src/fmi2/ffi/variables.rs": "variables at that boundary",
     "src/fmi2/ffi/strings.rs": "Strings at that boundary",
