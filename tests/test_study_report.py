@@ -119,6 +119,12 @@ def test_a_summary_counts_runs_within_the_limit_and_skips_failed_ones() -> None:
     assert shown.worst_first(shown.series[0].values).tolist() == [2, 1, 0]
 
 
+def test_a_damaged_plan_is_told_with_what_makes_it_anew(tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text("{")
+    with pytest.raises(ConfigError, match=r"not valid JSON: .*again with `dct-harness sweep`"):
+        report.write_study(tmp_path, tmp_path / "page")
+
+
 def test_a_folder_without_runs_is_told(tmp_path: Path) -> None:
     (tmp_path / "plan.json").write_text("{}")
     with pytest.raises(ConfigError, match="holds no run yet; make them with `dct-harness sweep`"):

@@ -161,8 +161,8 @@ def load_any(path: str | Path) -> Results:
     return from_table(table.names, table.rows, {"signals": signals}, path)
 
 
-def read_json(path: Path) -> dict[str, Any]:
-    """Read a file of a result directory.
+def read_json(path: Path, again: str = AGAIN) -> dict[str, Any]:
+    """Read a file of a result directory; `again` says what makes it anew.
 
     Raises
     ------
@@ -172,9 +172,9 @@ def read_json(path: Path) -> dict[str, Any]:
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
-        raise ConfigError(f"{path}: is not valid JSON: {error}; {AGAIN}") from None
+        raise ConfigError(f"{path}: is not valid JSON: {error}; {again}") from None
     if not isinstance(found, dict):
-        raise ConfigError(f"{path}: is no JSON object; {AGAIN}")
+        raise ConfigError(f"{path}: is no JSON object; {again}")
     return found
 
 

@@ -17,6 +17,7 @@ from ..results import read_json
 from ..sweep.store import GOOD, PLAN, course_file, read_rows
 
 Json = dict[str, Any]
+AGAIN = "make it again with `dct-harness sweep`"
 POOLED = ("noise seed",)  # axes whose runs are shown together
 USUAL = (registry.PERCENT.key, registry.TRACKING.key, registry.RMSE.key)
 PLAIN = ("run", "verdict", "error", "command")
@@ -82,7 +83,7 @@ class StudyData:
         ConfigError
             It holds no study with rows.
         """
-        plan: Json = read_json(folder / PLAN)
+        plan: Json = read_json(folder / PLAN, AGAIN)
         rows = [row for _, row in sorted(read_rows(folder).items())]
         if not rows:
             raise ConfigError(f"{folder}: holds no run yet; make them with `dct-harness sweep`")
