@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -45,7 +48,7 @@ def test_misbehaviour_ends_the_run_and_keeps_the_rows(
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert _rows(tmp_path) == 101
-    assert not _left(hostile)
+    assert not _left(tmp_path)
 
 
 @pytest.mark.parametrize("engine", ["fmpy", "native"])
@@ -65,22 +68,40 @@ def test_an_fmu_of_others_says_why_it_refuses_when_it_is_asked_to(
 
 
 def _left(folder: Path) -> list[str]:
-    """Return the processes that still have a library of the fixture loaded, and keep it."""
+    """Return the processes that still have a library loaded that a run unpacked, and keep it."""
     until = time.monotonic() + ENDS
-    while (found := _loaded(folder)) and time.monotonic() < until:
+    while (found := _loaded(folder / "tmp")) and time.monotonic() < until:
         time.sleep(0.01)
     return found
 
 
 def _loaded(folder: Path) -> list[str]:
+    """Return the processes with a file of a folder in their memory, be the file gone or not."""
     found = []
     for maps in Path("/proc").glob("[0-9]*/maps"):
         try:
-            if f"{folder.name}" in maps.read_text() or "Lag.so" in maps.read_text():
+            if f"{folder}/" in maps.read_text():
                 found.append(maps.parent.name)
         except OSError:
             continue
     return found
+
+
+KEEPS = "import ctypes, sys; ctypes.CDLL(sys.argv[1]); print(flush=True); sys.stdin.read()"
+
+
+def test_a_process_that_keeps_a_library_is_seen_also_when_its_file_is_gone(
+    tmp_path: Path, lag_library: Path
+) -> None:
+    (tmp_path / "tmp").mkdir()
+    library = shutil.copy(lag_library, tmp_path / "tmp")
+    with subprocess.Popen([sys.executable, "-c", KEEPS, library], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE) as process:  # fmt: skip
+        process.stdout.readline()
+        Path(library).unlink()
+        assert _loaded(tmp_path / "tmp") == [str(process.pid)]
+        assert _loaded(tmp_path / "other") == []
+    assert not _left(tmp_path)
 
 
 @pytest.mark.parametrize(("mode", "said"), [
@@ -119,7 +140,7 @@ def test_an_fmu_that_does_not_terminate_does_not_keep_the_result(
     done = run(write_system(tmp_path, "0.2"), hostile, *options)
     assert done.returncode == 0, done.stderr
     assert _rows(tmp_path) == 201
-    assert not _left(hostile)
+    assert not _left(tmp_path)
 
 
 @pytest.mark.parametrize(("option", "value"), [("--call-timeout", "0"), ("--memory", "-1")])
