@@ -104,7 +104,7 @@ def small_library() -> Path:
         build = f"cargo fmu build --small DctPlant --out {fmu.parent.relative_to(ROOT)}"
         raise SystemExit(f"{fmu} is missing; to build it: {build}")
     with zipfile.ZipFile(fmu) as archive:
-        return Path(archive.extract("binaries/linux64/DctPlant.so", fmu.parent))
+        return Path(archive.extract("binaries/linux64/DctPlant.so", WORK / "small"))
 
 
 def write_inputs(h: float, stop: float) -> Path:
