@@ -261,8 +261,11 @@ def test_everything_can_be_reached_by_keyboard(visit: Visit) -> None:
 
 
 def test_links_of_the_page_lead_somewhere(visit: Visit) -> None:
-    missing = visit.page.evaluate("""() => [...document.querySelectorAll("a[href^='#']")]
-      .map((a) => a.getAttribute("href")).filter((h) => !document.querySelector(h))""")
+    found, missing = visit.page.evaluate("""() => {
+      const links = [...document.querySelectorAll("a[href^='#']")]
+      const names = links.map((a) => a.getAttribute("href"))
+      return [names, names.filter((h) => !document.querySelector(h))]}""")
+    assert found
     assert missing == []
 
 

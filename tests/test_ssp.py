@@ -96,9 +96,10 @@ def _members(terminal: etree._Element) -> set[str]:
 @pytest.mark.parametrize("model", MODELS)
 def test_terminals_are_valid_and_their_variables_exist(model: str) -> None:
     names = {v.name: v for v in fmpy.read_model_description(str(fmu(model))).modelVariables}
-    for terminal in _terminals(model).values():
-        for member in terminal:
-            assert names[member.get("variableName")].causality in {"input", "output"}
+    members = [member for terminal in _terminals(model).values() for member in terminal]
+    assert members
+    for member in members:
+        assert names[member.get("variableName")].causality in {"input", "output"}
 
 
 @pytest.mark.parametrize(("name", "source", "target"), [
