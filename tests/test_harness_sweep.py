@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import fcntl
 import json
 import math
 import os
@@ -225,6 +226,50 @@ def test_workers_of_a_killed_sweep_end(lag_dir: Path, tmp_path: Path) -> None:
         time.sleep(0.05)
     assert _alive(workers) == set()
     assert list((tmp_path / "tmp").iterdir()) == []
+    assert [f.name for f in (tmp_path / "out").glob("run-*")] == ["run-0001"]  # with a row
+
+
+def _waits(pid: int) -> bool:
+    """Return whether a process waits for a lock of another one."""
+    return any("->" in line and f" {pid} " in line
+               for line in Path("/proc/locks").read_text().splitlines())  # fmt: skip
+
+
+def test_what_a_killed_sweep_left_of_a_run_goes_once_no_process_writes_it(
+    lag_dir: Path, tmp_path: Path
+) -> None:
+    """A run without a row is made anew; what else lies in its folder, and others', stays."""
+    write_system(tmp_path, "0.1")
+    options = ("--fmu-dir", lag_dir, "--runs", "2", "--vary", "plant.tau=uniform(1,2)")
+    sweep_rows(tmp_path, *options, "--keep")
+    out = tmp_path / "out"
+    (out / "store/run-000002.parquet").unlink()
+    (out / "run-0002/results.part.csv").write_text("time")
+    (out / "run-9").mkdir()
+    command = [*HARNESS, "sweep", tmp_path / "s.toml", "--out", out, *options, "--resume"]
+    store = os.open(out / "store", os.O_RDONLY)
+    fcntl.flock(store, fcntl.LOCK_SH)  # as a worker of the killed sweep that is still there
+    with subprocess.Popen(command, env=environment(tmp_path)) as process:
+        until = time.monotonic() + ENDS
+        while process.poll() is None and not _waits(process.pid) and time.monotonic() < until:
+            time.sleep(0.01)
+        assert (out / "run-0002/run.json").is_file()
+        os.close(store)
+    assert process.returncode == 0
+    assert sorted(f.name for f in out.glob("run-*")) == ["run-0001", "run-9"]
+    assert len(list((out / "store").iterdir())) == 2
+
+
+def test_two_sweeps_at_once_in_one_folder_are_refused(lag_dir: Path, tmp_path: Path) -> None:
+    write_system(tmp_path, "0.01")
+    (tmp_path / "out").mkdir()
+    other = os.open(tmp_path / "out", os.O_RDONLY)
+    fcntl.flock(other, fcntl.LOCK_EX)
+    done = harness("sweep", tmp_path / "s.toml", "--fmu-dir", lag_dir, "--out", tmp_path / "out",
+                   "--vary", "plant.tau=uniform(1,2)", folder=tmp_path)  # fmt: skip
+    os.close(other)
+    assert done.returncode == 2
+    assert done.stderr.endswith("another sweep is at work there; choose another folder\n")
 
 
 def test_sweep_judges_every_run_and_goes_on_after_a_failure(lag_dir: Path, tmp_path: Path) -> None:

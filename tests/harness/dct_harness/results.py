@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,6 +26,7 @@ from .errors import ConfigError, did_you_mean, instant
 
 RESULTS_CSV = "results.csv"
 RUN_JSON = "run.json"
+KPIS_JSON = "kpis.json"
 AGAIN = "make it again with `dct-harness run`"
 BLOCK = 512  # rows
 
@@ -107,6 +109,15 @@ def write(
         if other != suffix:
             (out / f"results{other}").unlink(missing_ok=True)
     write_text(out / RUN_JSON, json.dumps(run, indent=2, ensure_ascii=False) + "\n")
+
+
+def remove(out: Path) -> None:
+    """Remove what a run wrote into its directory, and the directory if nothing else lies there."""
+    names = (f"{RUN_JSON}*", f"{KPIS_JSON}*", "calibration*.ssv*", "results.*")
+    for path in {path for name in names for path in out.glob(name)}:
+        path.unlink()
+    with suppress(OSError):
+        out.rmdir()
 
 
 def units(run: dict[str, Any]) -> dict[str, str]:

@@ -24,7 +24,7 @@ from ..fmu.kept import Kept
 from ..kpi.scopes import SCENARIO
 from ..results import Results
 from ..verbs import run as run_verb
-from . import memory
+from . import leftover, memory
 from .cases import Job
 from .study import Words
 
@@ -96,7 +96,9 @@ class Prepared:
         loop = asked.loop(job.sets)
         loop.kept_open = KEPT
         needed = None if whole else partial(_matching, setup.signals)
-        out = folder / f"run-{job.number:04d}"
+        out = leftover.run_folder(folder, job.number)
+        if out.is_dir():
+            results.remove(out)  # of a try before, or of a sweep that was killed
         told, kpis = run_verb.judged(loop, out, asked.args, setup.keep, needed)
         values = {"/".join(filter(None, (r["kpi"], r["signal"], r["estimate"]))): r["value"]
                   for r in kpis["rows"] if r["scope"] == SCENARIO}  # fmt: skip
@@ -112,6 +114,7 @@ class Prepared:
         words = map(str, (*self._setup.common, *shared, "-q"))
         asked = run_verb.Asked(parser().parse_args(list(words)))
         results.check_writable(self._setup.folder)
+        leftover.makes_runs(self._setup.folder)
         if asked.package is None:
             self._asked = shared, asked
         return asked

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import formats, kpi, results
-from ..errors import HarnessError, instant
+from ..errors import HarnessError, InterruptedRunError, instant
 from ..fmu import sources
 from ..master import check_step, watch
 from ..master.master import BUILD, SCENARIO, Run, Wanted
@@ -23,7 +23,6 @@ from .environment import environment
 
 KPI_FAILS = 1
 DETAILS = ("phase/", "state/", "event/")  # scopes that --verbose shows
-KPIS_JSON = "kpis.json"
 ENGINES = {"fmpy": Run, "native": NativeRun}
 FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
 EXAMPLES = """run examples/closed_loop/paper_case1.toml --out target/results/paper_case1
@@ -133,6 +132,8 @@ def judged(
         loop.wanted = lambda names: {*chosen(names), *kpi.reads(names, brief)}
     try:
         failure = _execute(loop, out, args)
+        if isinstance(failure, InterruptedRunError):
+            raise failure  # who goes on with the sweep makes it anew
         if failure is not None or keep:
             record = save(loop, out, failure, args.format)
         if failure is not None:
@@ -178,7 +179,7 @@ def save(loop: Run, out: Path, failure: HarnessError | None, suffix: str = "csv"
     """
     record = {**loop.summary(failure), "environment": environment()}
     if len(loop.rows):
-        (out / KPIS_JSON).unlink(missing_ok=True)
+        (out / results.KPIS_JSON).unlink(missing_ok=True)
         results.write(out, *loop.table(), record, f".{suffix}")
     return record
 
@@ -188,7 +189,7 @@ def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
     told = results.from_table(*loop.table(), record, out)
     calibration.save(out, told)
     kpis = kpi.compute(told, record)
-    results.write_text(out / KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
+    results.write_text(out / results.KPIS_JSON, json.dumps(kpis, indent=2) + "\n")
     return kpis
 
 

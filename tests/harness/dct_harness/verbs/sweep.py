@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 
+from .. import results
 from ..errors import ConfigError, InterruptedRunError
 from ..fmu.isolated import Limits
 from ..kpi.table import aligned, number
 from ..master import watch
 from ..results import write_text
 from ..sweep import cases as study_cases
-from ..sweep import sampling, study_file
+from ..sweep import leftover, sampling, study_file
 from ..sweep.cases import Job
 from ..sweep.on_dask import HERE, cluster
 from ..sweep.runs import Prepared, Row, Setup
@@ -123,14 +124,23 @@ def sweep(args: argparse.Namespace) -> int:
 
 def _sweep(args: argparse.Namespace, study: Study) -> int:
     out = args.out or (Path("target/study") / study.name if study.file else Path("target/sweep"))
-    jobs = study_cases.jobs(study)
-    files = study_cases.files(study)
+    jobs, files = study_cases.jobs(study), study_cases.files(study)
     say_outdated(args, (f for f in files if f.suffix == ".fmu"))
+    results.check_writable(out)
+    with leftover.alone(out):
+        return _made(args, study, out, jobs, files)
+
+
+def _made(
+    args: argparse.Namespace, study: Study, out: Path, jobs: list[Job], files: list[Path]
+) -> int:
+    """Make the runs that have no row yet, write and print."""
     store = Store(out, {**study.identity(), "files": digest(*files)}, args.resume)
     store.describe(study.describe())
     known = {k: row for k, row in store.rows().items() if k <= len(jobs)}
     if args.retry:
         known = {k: row for k, row in known.items() if row["verdict"] in GOOD}
+    leftover.remove(out, known)
     left = [job for job in jobs if job.number not in known]
     setup = Setup(study.common, out, args.keep, study.signals, study.every, study.retries)
     varied = [f.name for f in study.factors] + [axis.name for axis in study.axes]
