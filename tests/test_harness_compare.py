@@ -13,6 +13,7 @@ from dct_harness.compare import Outcome, Tolerance, Tolerances, compare, toleran
 from dct_harness.compare.envelope import bounds
 from dct_harness.errors import ConfigError
 from dct_harness.results import Results
+from dct_harness.verbs.compare import sentence, table
 
 STEP = 0.001  # s
 TIME = np.arange(2001) * STEP
@@ -89,13 +90,24 @@ def test_equal_runs_agree_without_any_allowance() -> None:
     assert one(noise, noise.copy(), EXACT).worst == 0
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_no_number_is_never_near(bad: float) -> None:
-    values = np.ones(len(TIME))
-    values[700] = bad
-    found = one(np.ones(len(TIME)), values, Tolerance(abs=1e300))
-    assert not found.passed
-    assert found.time == pytest.approx(0.7)
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kind", ["Real", "Integer"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_no_number_is_never_near(bad: float, kind: str) -> None:
+    """Nor is it to itself; the sentence says where it stands, and what to do of a reference."""
+    good, values = np.ones(len(TIME)), np.ones(len(TIME))
+    values[[700, 900]] = bad
+    for reference, run, said in (
+        (good, values, f"x is {bad:g} in the run at t = 0.7 s: no tolerance allows that"),
+        (values, good, f"x is {bad:g} in the reference at t = 0.7 s: make the reference again, or "
+                       "leave the signal out: `ignore = true` in a file for --tolerances"),
+        (values, values, f"x is {bad:g} in the reference at t = 0.7 s: make"),
+    ):  # fmt: skip
+        found = one(reference, run, Tolerance(abs=1e300, tube=0.01, nrmse=1e300), kind)
+        assert (found.passed, found.worst) == (False, np.inf)
+        assert found.time == pytest.approx(0.7)
+        assert sentence(found).startswith(said)
+        assert said.removeprefix("x ") in table([found], everything=True)
 
 
 def test_shorter_run_and_missing_signal_fail_and_a_new_one_does_not() -> None:

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import instant
 from ..results import Results
 from .envelope import bounds
 from .tolerances import Tolerance, Tolerances
 
+MEND = ("make the reference again, or leave the signal out: `ignore = true` in a file for "
+        "--tolerances")  # fmt: skip
 END = 1e-9  # relative: ends that differ by rounding are the same
 
 
@@ -57,6 +60,11 @@ def _signal(name: str, reference: Results, run: Results, allowed: Tolerance) -> 
     if name not in run:
         return Outcome(name, False, "is missing in the run", np.inf, unit=unit)
     kind = reference.run.get("signals", {}).get(name, {}).get("type", "Real")
+    bad = _no_number(name, reference, unit, "the reference", MEND) or _no_number(
+        name, run, unit, "the run", "no tolerance allows that"
+    )
+    if bad:
+        return bad
     inside = (run.time >= reference.time[0]) & (run.time <= reference.time[-1] * (1 + END))
     if not inside.any():
         return Outcome(name, False, "shares no time with the reference", np.inf, unit=unit)
@@ -64,7 +72,6 @@ def _signal(name: str, reference: Results, run: Results, allowed: Tolerance) -> 
     held = kind != "Real"
     low, high = bounds(reference.time, a, t, allowed.tube, held)
     outside = np.maximum(np.maximum(low - b, b - high), 0.0)
-    outside = np.where(np.isfinite(b), outside, np.inf)
     band = allowed.abs + (0.0 if held else allowed.rel * float(np.abs(a).max()))
     k = int(np.argmax(outside))
     nearest, _ = bounds(reference.time, a, t, 0.0, held)
@@ -75,6 +82,16 @@ def _signal(name: str, reference: Results, run: Results, allowed: Tolerance) -> 
         name, share <= 1, _reason(float(outside[k]), band, nrmse, allowed), share,
         float(t[k]), float(nearest[k]), float(b[k]), nrmse, unit,
     )  # fmt: skip
+
+
+def _no_number(name: str, told: Results, unit: str, where: str, remedy: str) -> Outcome | None:
+    """Return the outcome of a signal that is infinite or NaN somewhere; None of all others."""
+    bad = np.flatnonzero(~np.isfinite(told[name]))
+    if not bad.size:
+        return None
+    time, value = float(told.time[bad[0]]), float(told[name][bad[0]])
+    reason = f"is {value:g} in {where} at t = {instant(time)} s: {remedy}"
+    return Outcome(name, False, reason, np.inf, time, unit=unit)
 
 
 def _reason(outside: float, band: float, nrmse: float, allowed: Tolerance) -> str:

@@ -90,7 +90,7 @@ def _plain(outcome: Outcome) -> dict[str, object]:
 def sentence(outcome: Outcome) -> str:
     """Return what is wrong with a signal."""
     text = f"{outcome.name} {outcome.reason}"
-    if outcome.time is not None:
+    if outcome.time is not None and outcome.value is not None:
         text += (f" (worst at t = {instant(outcome.time)} s: {outcome.value:.6g} for "
                  f"{outcome.reference:.6g} {outcome.unit})")  # fmt: skip
     return text
