@@ -44,6 +44,7 @@
 //!   maximum: [`description`] reads the file itself;
 //! - `import::from_path` unpacks everything: `package` unpacks what a run needs.
 
+mod beside;
 mod contract;
 pub mod csv;
 mod derivatives;
@@ -84,6 +85,7 @@ mod watch;
 mod wiring;
 mod world;
 
+pub use beside::Measured;
 pub use cosim_raw::Message;
 pub use error::{Error, Seconds};
 pub use library::{Libraries, Library};

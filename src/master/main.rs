@@ -5,8 +5,8 @@ mod ending;
 use clap::{Args, Parser, Subcommand};
 use cosim_master::plan::Value;
 use cosim_master::{
-    Error, Job, Libraries, Live, Mapping, Message, Outcome, Plan, Scenario, Seconds, System, Told,
-    csv, run_seen,
+    Error, Job, Libraries, Live, Mapping, Measured, Message, Outcome, Plan, Scenario, Seconds,
+    System, Told, csv, run_seen,
 };
 use ending::Ending;
 use std::fmt::{self, Write as _};
@@ -199,10 +199,9 @@ fn give(system: &mut System, words: &RunWords) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns what to tell when all went well.
-fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
-    let mut libraries = Libraries::below(ending.folder().to_owned());
-    let mut system = System::open(&words.system, &mut libraries)?;
+/// Reads the system file, and puts what the command line says above it.
+fn opened(words: &RunWords, libraries: &mut Libraries) -> Result<System, Error> {
+    let mut system = System::open(&words.system, libraries)?;
     system.step = words.step.unwrap_or(system.step);
     system.stop = words.stop.unwrap_or(system.stop);
     system.scenario = words.scenario.clone().or(system.scenario);
@@ -215,9 +214,12 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     if let Some(file) = &words.noise {
         system.noise.take(Scenario::load(file)?);
     }
-    give(&mut system, &words)?;
-    let times = system.times()?;
-    make_room(&words.out)?;
+    give(&mut system, words)?;
+    Ok(system)
+}
+
+/// Reads the scenario, and says what is odd about it.
+fn scenario(system: &mut System) -> Result<Scenario, Error> {
     let (scenario, free) = system.scenario()?;
     for line in scenario.beyond(system.stop) {
         remark(format_args!("{line}"));
@@ -228,9 +230,24 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
             "the scenario has no column for {free}: start values"
         ));
     }
+    Ok(scenario)
+}
+
+/// Returns what to tell when all went well.
+fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
+    let mut libraries = Libraries::below(ending.folder().to_owned());
+    let mut system = opened(&words, &mut libraries)?;
+    let times = system.times()?;
+    make_room(&words.out)?;
+    let scenario = scenario(&mut system)?;
     let (mut plan, held) = system.plan(&words.fmu_dir, &scenario, &mut libraries)?;
+    let (mut measured, mut record) = (Measured::new(&scenario, &plan)?, words.record);
+    for line in &measured.doubts {
+        remark(format_args!("{line}"));
+    }
+    measured.take(&mut record)?;
     plan.log = words.fmu_log;
-    plan.record = (!words.record.is_empty()).then_some(words.record);
+    plan.record = (!record.is_empty()).then_some(record);
     let script = system.rows(&scenario, (&plan, &held), &times)?;
     let outcome = made(plan, (&times, script), libraries, ending);
     if words.verbose {
@@ -238,7 +255,7 @@ fn run(words: RunWords, ending: &Ending) -> Result<String, Error> {
     }
     let rows = outcome.rows.len() / outcome.names.len().max(1);
     if rows > 0 {
-        write(&words.out, &times, &outcome)?;
+        write(&words.out, &times, &outcome, &measured)?;
     }
     match outcome.error {
         Some(error) => Err(error),
@@ -315,15 +332,22 @@ fn make_room(out: &Path) -> Result<(), Error> {
 }
 
 /// Writes the rows whole: to a temporary name beside it, then renamed.
-fn write(out: &Path, times: &[f64], outcome: &Outcome) -> Result<(), Error> {
+fn write(
+    out: &Path,
+    times: &[f64],
+    outcome: &Outcome,
+    measured: &Measured<'_>,
+) -> Result<(), Error> {
     let width = outcome.names.len().max(1);
     let names = outcome.names.iter().map(String::as_str);
+    let names = names.chain(measured.names());
     let mut text = csv::heading(std::iter::once("time").chain(names));
     text.push('\n');
     for (time, row) in times.iter().zip(outcome.rows.chunks_exact(width)) {
         // Writing to a String cannot fail.
         let _ = write!(text, "{time:?}");
-        row.iter().for_each(|value| {
+        let row = row.iter().copied().chain(measured.at(*time));
+        row.for_each(|value| {
             let _ = write!(text, ",{value:?}");
         });
         text.push('\n');
