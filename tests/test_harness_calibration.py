@@ -133,3 +133,22 @@ def test_a_system_without_observer_is_told(
     command = ["run", str(system), "--fmu-dir", str(FMUS), "--calibration", "x.ssv", "--quiet"]
     assert cli.main(command) == 2
     assert "--calibration" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("there", "said"), [
+    ("results.csv", "no calibration.ssv in this folder; `dct-harness run` writes it to --out at "
+                    "the end of a run whose observer learns: "
+                    "--set observer.observer.method=calibrating"),
+    ("calibration.second.ssv", "of other observers there is calibration.second.ssv: name the file"),
+    ("earlier/calibration.ssv", "no calibration.ssv in this folder; did you mean"),
+])  # fmt: skip
+def test_a_folder_without_what_was_learnt_is_told_with_the_remedy(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], there: str, said: str
+) -> None:
+    (tmp_path / there).parent.mkdir(exist_ok=True)
+    (tmp_path / there).write_text("")
+    command = ["run", str(SYSTEMS / "calibration_case1.toml"), "--fmu-dir", str(FMUS)]
+    assert cli.main([*command, "--calibration", str(tmp_path), "--out", str(tmp_path / "o")]) == 2
+    told = capsys.readouterr().err
+    assert f"--calibration {tmp_path}: " in told
+    assert said in told

@@ -105,12 +105,25 @@ def apply(model: System, path: Path, paths: dict[str, Path]) -> None:
     if OBSERVER not in model.components:
         hint = did_you_mean(OBSERVER, model.components)
         raise ConfigError(f"--calibration: {model.path} has no component '{OBSERVER}'.{hint}")
-    values = parameters.read(path / NAME if path.is_dir() else path)
+    values = parameters.read(_in_folder(path) if path.is_dir() else path)
     model.components[OBSERVER].parameters |= values
     if CONTROL in model.components:
         known = {v.name for v in described(paths[CONTROL]).modelVariables}
         shared = {name: value for name, value in values.items() if name in known}
         model.components[CONTROL].parameters |= shared
+
+
+def _in_folder(folder: Path) -> Path:
+    """Return the parameter file in the folder of a run."""
+    if (folder / NAME).is_file():
+        return folder / NAME
+    others = ", ".join(sorted(path.name for path in folder.glob("calibration.*.ssv")))
+    inside = min((path.parent for path in folder.glob(f"*/{NAME}")), default=None)
+    there = f"; of other observers there is {others}: name the file" if others else ""
+    there = f"; did you mean {inside}?" if inside else there
+    made = ("`dct-harness run` writes it to --out at the end of a run whose observer learns: "
+            "--set observer.observer.method=calibrating")  # fmt: skip
+    raise ConfigError(f"--calibration {folder}: no {NAME} in this folder{there or f'; {made}'}")
 
 
 def _text(component: str, values: dict[str, float], known: dict[str, Any]) -> str:
