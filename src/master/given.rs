@@ -44,6 +44,13 @@ impl Given {
     pub fn learnt(&mut self, file: &Path, system: (&Path, &[&str])) -> Result<(), Error> {
         refuse_unknown("--calibration", OBSERVER, system)?;
         let whole = file.join(LEARNT);
+        if file.is_dir() && !whole.is_file() {
+            let folder = file.display();
+            return Err(Error::Usage(format!(
+                "--calibration {folder}: no {LEARNT} in this folder; `dct-harness run` writes it to --out at the end \
+                 of a run whose observer learns: --set observer.observer.method=calibrating"
+            )));
+        }
         self.learnt = ssv::read(if file.is_dir() { &whole } else { file })?;
         Ok(())
     }

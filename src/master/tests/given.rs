@@ -102,6 +102,7 @@ fn both_tell_the_same_of_what_cannot_be() {
     let text = text.replace("[components.observer]", "[components.watcher]");
     std::fs::write(&alone, text.split("[[kpis]]").next().unwrap()).unwrap();
     let alone = alone.display().to_string();
+    let empty = format!("--calibration={}", folder.path().display());
     for (words, expected) in [
         (
             [&*system, "--parameters", "plnt", &bad],
@@ -118,6 +119,13 @@ fn both_tell_the_same_of_what_cannot_be() {
         (
             [&*alone, "--stop", "1", "--calibration=x.ssv"],
             format!("--calibration: {alone} has no component 'observer'"),
+        ),
+        (
+            [&*system, "--stop", "1", &empty],
+            format!(
+                "{empty}: no calibration.ssv in this folder; `dct-harness run` writes it to --out"
+            )
+            .replace('=', " "),
         ),
     ] {
         for told in refused(&words.map(str::to_owned)) {
