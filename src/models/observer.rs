@@ -4,15 +4,15 @@
 //! algebraic loop, whatever the importer couples.
 
 mod table;
+mod told;
 
 use crate::step::{SCENARIO, check_step};
 use crate::vehicle::{Vehicle, check_maps};
-use core::fmt;
 use dct_driveline::Params;
 use dct_driveline::observer::{
-    Estimate, Fault, LoadMethod, Method, Observer as _, Phase, Sample, Selected, Settings,
+    Estimate, LoadMethod, Method, Observer as _, Phase, Sample, Selected, Settings,
 };
-use fmi2_cosim::{Experiment, Failure, Log, Model, Seconds, StateFields, Variable};
+use fmi2_cosim::{Experiment, Failure, Log, Model, StateFields, Variable};
 
 /// The observer: the vehicle it believes in, settings, inputs, state, estimate.
 #[derive(Clone)]
@@ -67,124 +67,6 @@ impl Observer {
     }
 }
 
-impl Observer {
-    /// Logs what changed since an estimate that was `valid` with clutches `engaged`, shape (2).
-    #[cold]
-    #[inline(never)]
-    fn tell(&self, valid: bool, engaged: [bool; 2], time: f64, log: &mut Log<'_>) {
-        if let Some(fault) = self.y.fault.filter(|_| valid) {
-            log.warning(format_args!(
-                "t = {} s: status.valid = false: {fault} ({}); {}",
-                Seconds(time),
-                Evidence(self, fault),
-                remedy(fault, table::method(self.method))
-            ));
-        }
-        for i in (0..2).filter(|i| engaged[*i] != self.y.engaged[*i]) {
-            let now = if self.y.engaged[i] {
-                "engaged"
-            } else {
-                "not engaged"
-            };
-            log.event(format_args!(
-                "t = {} s: clutch {} is {now}",
-                Seconds(time),
-                i + 1
-            ));
-        }
-    }
-}
-
-/// Logs encoders that were recognised, or no longer are, since `before`; ticks of ω_e, ω_c1, ω_c2, ω_w [1], shape (4).
-#[inline(never)] // most speeds are not counted
-fn tell_ticks(before: [f64; 4], now: [f64; 4], time: f64, log: &mut Log<'_>) {
-    let time = Seconds(time);
-    let changed = |sensor: &usize| before[*sensor] != now[*sensor];
-    for sensor in (0..4).filter(changed) {
-        let (name, ticks) = (
-            ["engine", "clutch1", "clutch2", "wheel"][sensor],
-            now[sensor],
-        );
-        if ticks > 0.0 {
-            log.event(format_args!(
-                "t = {time} s: {name}.speed is counted by an encoder of {ticks} ticks per revolution, and is followed \
-                 as such; set {name}.encoderTicks where that is wrong"
-            ));
-        } else {
-            log.event(format_args!(
-                "t = {time} s: {name}.speed is not counted by an encoder of {} ticks after all",
-                before[sensor]
-            ));
-        }
-    }
-}
-
-/// What `calibrating` learns, in the order of its values.
-const LEARNT: [&str; 8] = [
-    "torqueScale",
-    "torqueBias",
-    "inertiaError",
-    "wheelSpeedBias",
-    "stiffnessError",
-    "dampingError",
-    "gearboxInertiaError",
-    "vehicleInertiaError",
-];
-
-/// The variables that show a fault, with their values.
-struct Evidence<'a>(&'a Observer, Fault);
-
-impl fmt::Display for Evidence<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(Observer { u, y, method, .. }, fault) = self;
-        let short = |value: f64| (value * 1e3).round() / 1e3;
-        match fault {
-            Fault::NotFinite | Fault::NoSpeed | Fault::Frozen => write!(
-                f,
-                "engine.speed = {}, clutch1.speed = {}, clutch2.speed = {}, wheel.speed = {} rad/s",
-                short(u.omega_e),
-                short(u.omega_c[0]),
-                short(u.omega_c[1]),
-                short(u.omega_w)
-            ),
-            Fault::Saturated if table::method(*method) == Method::Calibrating => {
-                let told = LEARNT.iter().zip(y.calibration.value).enumerate();
-                told.into_iter().try_for_each(|(k, (name, value))| {
-                    let comma = if k == 0 { "" } else { ", " };
-                    write!(f, "{comma}calibration.{name} = {}", short(value))
-                })
-            }
-            Fault::Saturated => write!(
-                f,
-                "clutch1.friction = {}, clutch2.friction = {}",
-                short(y.friction[0]),
-                short(y.friction[1])
-            ),
-            Fault::Diverged => write!(
-                f,
-                "innovation.x1 = {}, innovation.x2 = {} rad/s",
-                short(y.innovation[0]),
-                short(y.innovation[1])
-            ),
-            Fault::Inconsistent => write!(f, "innovation.consistency = {}", short(y.consistency)),
-        }
-    }
-}
-
-/// What the user can do about a fault.
-const fn remedy(fault: Fault, method: Method) -> &'static str {
-    match fault {
-        Fault::NotFinite => "give every input a number",
-        Fault::NoSpeed | Fault::Frozen => "check the speed sensors and their connections",
-        Fault::Saturated if matches!(method, Method::Calibrating) => {
-            "check the engine torque, the speed sensors, and the inertias and stiffness believed"
-        }
-        Fault::Saturated => "check the force-position maps and nominal frictions",
-        Fault::Diverged => "check the ratios, inertias and gains",
-        Fault::Inconsistent => "check the sensors, their deviation among the gains, and the ratios",
-    }
-}
-
 impl Model for Observer {
     const NAME: &'static str = "DctObserver";
     const DESCRIPTION: &'static str =
@@ -216,7 +98,10 @@ impl Model for Observer {
             self.tell(valid, engaged, time + step, log);
         }
         if let Some(ticks) = ticks {
-            tell_ticks(ticks, self.state.recognised_ticks(), time + step, log);
+            told::ticks(ticks, self.state.recognised_ticks(), time + step, log);
+        }
+        if self.state.leaps().holds() {
+            told::leaps(&self.u, self.state.leaps(), [time + step, step], log);
         }
         Ok(())
     }
@@ -248,7 +133,8 @@ impl Model for Observer {
 
 #[cfg(test)]
 mod tests {
-    use super::{LEARNT, Observer};
+    use super::Observer;
+    use super::told::LEARNT;
     use core::fmt;
     use fmi2_cosim::{Access, Category, Error, Instance, Log, Model as _, Reference};
 
@@ -282,8 +168,8 @@ mod tests {
         observer.step(1e-3, 1e-3, log)
     }
 
-    /// What is logged of a drive in first gear whose engine stands still from the start.
-    fn told(method: i32) -> Vec<String> {
+    /// What is logged of a drive in first gear; `spoil` sees time [s] and engine speed [rad/s].
+    fn told(method: i32, spoil: fn(f64, f64) -> f64) -> Vec<String> {
         let mut said = vec![];
         let mut sink = |_: Category, text: fmt::Arguments<'_>| said.push(text.to_string());
         let log = &mut Log::new(&mut sink);
@@ -295,7 +181,7 @@ mod tests {
             let [one, wheel] = [150.0 + time, (150.0 + time) / 18.0];
             for (name, value) in [
                 (Reference::named("engine.torque"), 60.0 + 100.0 * time),
-                (Reference::named("engine.speed"), 150.0),
+                (Reference::named("engine.speed"), spoil(time, one)),
                 (Reference::named("clutch1.speed"), one),
                 (Reference::named("clutch2.speed"), 11.52 * wheel),
                 (Reference::named("wheel.speed"), wheel),
@@ -316,9 +202,29 @@ mod tests {
     }
 
     #[test]
+    fn a_speed_that_leaps_is_told_once_with_value_time_and_remedy() {
+        let glitch = |time: f64, speed: f64| {
+            if (0.0995..0.1025).contains(&time) {
+                0.0
+            } else {
+                speed
+            }
+        };
+        for method in 1..=5 {
+            let mut said = told(method, glitch);
+            said.retain(|line| line.contains("is not believed"));
+            let [leap] = &said[..] else {
+                panic!("method {method}: {said:?}");
+            };
+            let start = "t = 0.101 s: engine.speed = 0 rad/s is not believed: 150.1 was to come in a step of 0.001 s";
+            assert!(leap.starts_with(start), "method {method}: {leap}");
+        }
+    }
+
+    #[test]
     fn a_fault_is_told_with_time_variables_values_and_remedy() {
         for method in 1..=5 {
-            let said = told(method);
+            let said = told(method, |_, _| 150.0);
             let [fault] = &said[..] else {
                 panic!("method {method}: {said:?}");
             };

@@ -17,7 +17,7 @@
 mod bench;
 
 use bench::sensors::{
-    delayed, dropping, encoder, noisy, perfect, torque_error, torque_offset, wheel_bias,
+    delayed, dropping, encoder, glitching, noisy, perfect, torque_error, torque_offset, wheel_bias,
 };
 use bench::{Drive, Scenario, after, calibrated, faded, observe, scenarios};
 use dct_driveline::Params;
@@ -64,7 +64,7 @@ const fn parameter(name: &'static str, believed: fn(&mut Params)) -> Error {
 }
 
 /// Every error by itself.
-const ERRORS: [Error; 24] = [
+const ERRORS: [Error; 25] = [
     sensor("no error", || Box::new(perfect)),
     sensor("noise 0.1 rad/s on speeds", || Box::new(noisy(0.1, 1))),
     sensor("encoders of 4096 ticks", || Box::new(encoder(4096.0, H))),
@@ -81,6 +81,9 @@ const ERRORS: [Error; 24] = [
     sensor("T_e +5 % +2 N·m", || Box::new(torque_error)),
     sensor("speeds one step late", || Box::new(delayed())),
     sensor("1 % of the samples dropped", || Box::new(dropping(1))),
+    sensor("4 times a second a speed is 0 for a sample", || {
+        Box::new(glitching(0.0, H))
+    }),
     parameter("J_e +20 %", |p| p.j_e *= 1.2),
     parameter("J_e −20 %", |p| p.j_e *= 0.8),
     parameter("J_v +20 %", |p| p.j_v *= 1.2),

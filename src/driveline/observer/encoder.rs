@@ -41,15 +41,13 @@
 use crate::observer::filter::Belief;
 use crate::observer::monitor::PATIENCE;
 use crate::observer::ticks::Ticks;
-use crate::observer::{Sample, Settings, Visit};
+use crate::observer::{SPEEDS, Sample, Settings, Visit};
 use core::f64::consts::TAU;
 use nalgebra::{ComplexField, Matrix3, Vector3};
 
-/// ω_e, ω_c1, ω_c2, ω_w.
-const SENSORS: usize = 4;
 /// S of each sensor [(rad/s²)²/s]: what clutches and drive shaft do to the acceleration of engine and input
 /// shafts, and, less by the square of a low gear's ratio, to that of the wheels.
-const JERK: [f64; SENSORS] = [3000.0, 3000.0, 3000.0, 10.0];
+const JERK: [f64; SPEEDS] = [3000.0, 3000.0, 3000.0, 10.0];
 /// Longest time between ticks that is believed [s].
 const RARE: f64 = 0.1;
 /// Deviation of the acceleration at the start [rad/s²].
@@ -161,20 +159,20 @@ fn believed(jerk: f64, intensity: f64, h: f64) -> f64 {
 /// The encoders of the four speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Encoders {
-    sensors: [Encoder; SENSORS],
+    sensors: [Encoder; SPEEDS],
     /// What the speeds tell of encoders that nobody told of.
-    ticks: [Ticks; SENSORS],
+    ticks: [Ticks; SPEEDS],
 }
 
 impl Encoders {
     /// Begins at a sample.
     pub fn start(&mut self, sample: &Sample) {
-        self.sensors = speeds(sample).map(Encoder::at);
-        self.ticks = speeds(sample).map(Ticks::at);
+        self.sensors = sample.speeds().map(Encoder::at);
+        self.ticks = sample.speeds().map(Ticks::at);
     }
 
     /// Ticks that were recognised in ω_e, ω_c1, ω_c2, ω_w [1], shape (4); 0 without.
-    pub fn recognised(&self) -> [f64; SENSORS] {
+    pub fn recognised(&self) -> [f64; SPEEDS] {
         self.ticks.map(|ticks| ticks.known().unwrap_or(0.0))
     }
 
@@ -214,6 +212,21 @@ impl Encoders {
         !self.ticks.iter().all(Ticks::is_none)
     }
 
+    /// By how much two counts of a steady ω_e, ω_c1, ω_c2, ω_w may differ, each wrong by up to a tick in `h` [s] [rad/s],
+    /// shape (4): of encoders that are told, or that the `sample` may come from; 0 without.
+    pub fn scatter(&self, settings: &Settings, sample: &Sample, h: f64) -> [f64; SPEEDS] {
+        let readings = sample.speeds();
+        core::array::from_fn(|j| {
+            let told = settings.encoder[j];
+            let tick = if told > 0.0 {
+                Some(TAU / told)
+            } else {
+                self.ticks[j].tick_with(readings[j], h)
+            };
+            tick.map_or(0.0, |tick| 2.0 * tick / h)
+        })
+    }
+
     #[inline(never)] // most speeds are not counted
     fn count(
         &mut self,
@@ -225,7 +238,7 @@ impl Encoders {
         if !usable {
             return None;
         }
-        let (mut omega, mut sigma, mut encoder) = (speeds(sample), 0.0_f64, settings.encoder);
+        let (mut omega, mut sigma, mut encoder) = (sample.speeds(), 0.0_f64, settings.encoder);
         for (j, ticks) in encoder.iter_mut().enumerate() {
             *ticks = self.ticks(j, *ticks, omega[j], h);
             if *ticks > 0.0 {
@@ -236,20 +249,13 @@ impl Encoders {
         if sigma == 0.0 {
             return None;
         }
-        let [omega_e, one, two, omega_w] = omega;
         let mut settings = Settings {
             encoder,
             ..*settings
         };
         settings.kalman.sigma = settings.kalman.sigma.max(sigma);
         settings.calibrating.sensor = settings.calibrating.sensor.max(sigma);
-        let sample = Sample {
-            omega_e,
-            omega_c: [one, two],
-            omega_w,
-            ..*sample
-        };
-        Some((sample, settings))
+        Some((sample.with_speeds(omega), settings))
     }
 
     /// Visits every number of the state.
@@ -258,12 +264,6 @@ impl Encoders {
         sensors.iter_mut().for_each(|sensor| sensor.visit(visit));
         ticks.iter_mut().for_each(|ticks| ticks.visit(visit));
     }
-}
-
-/// ω_e, ω_c1, ω_c2, ω_w [rad/s].
-fn speeds(sample: &Sample) -> [f64; SENSORS] {
-    let [one, two] = sample.omega_c;
-    [sample.omega_e, one, two, sample.omega_w]
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ pub mod grip;
 pub mod heard;
 pub mod instant;
 pub mod kalman;
+pub mod leap;
 pub mod lever;
 pub mod load;
 pub mod lock;
@@ -67,6 +68,9 @@ use crate::params::Actuation;
 use instant::Instant;
 use lever::Lever;
 
+/// ω_e, ω_c1, ω_c2, ω_w: speeds that are measured.
+pub const SPEEDS: usize = 4;
+
 /// What a production car measures, at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
@@ -94,6 +98,22 @@ impl Sample {
     /// ω_e − ω_ci [rad/s], shape (2).
     pub fn slip(&self) -> [f64; 2] {
         self.omega_c.map(|omega_c| self.omega_e - omega_c)
+    }
+
+    /// ω_e, ω_c1, ω_c2, ω_w [rad/s].
+    pub const fn speeds(&self) -> [f64; SPEEDS] {
+        let [one, two] = self.omega_c;
+        [self.omega_e, one, two, self.omega_w]
+    }
+
+    /// The same with other speeds ω_e, ω_c1, ω_c2, ω_w [rad/s].
+    pub const fn with_speeds(self, [omega_e, one, two, omega_w]: [f64; SPEEDS]) -> Self {
+        Self {
+            omega_e,
+            omega_c: [one, two],
+            omega_w,
+            ..self
+        }
     }
 
     /// Every measurement is a number; only such a sample may enter an observer.

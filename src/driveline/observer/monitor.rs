@@ -7,7 +7,7 @@
 
 use crate::Params;
 use crate::observer::instant::Instant;
-use crate::observer::{Sample, Visit, lasting};
+use crate::observer::{SPEEDS, Sample, Visit, lasting};
 use core::fmt;
 
 /// Time for which a fault has to last before it is told [s].
@@ -58,9 +58,6 @@ impl fmt::Display for Fault {
     }
 }
 
-/// ω_e, ω_c1, ω_c2, ω_w: speeds watched.
-const SPEEDS: usize = 4;
-
 /// What the monitor remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Monitor {
@@ -90,7 +87,7 @@ impl Monitor {
     #[inline(never)]
     pub fn start(&mut self, p: &Params, sample: &Sample) {
         *self = Self {
-            last: speeds(sample),
+            last: sample.speeds(),
             then: [signals(sample); SPEEDS],
             scale: scale(p.g(sample.gear)),
             ..*self
@@ -106,14 +103,14 @@ impl Monitor {
         if self.scale != scale(g) {
             self.start(p, sample);
         }
-        for (j, now) in speeds(sample).into_iter().enumerate() {
+        for (j, now) in sample.speeds().into_iter().enumerate() {
             if now == self.last[j] {
                 self.still[j] += h;
             } else {
                 (self.still[j], self.then[j]) = (0.0, signals(sample));
             }
         }
-        self.last = speeds(sample);
+        self.last = sample.speeds();
         let lasts = |time: f64, bad: bool| if bad { time + h } else { 0.0 };
         self.missing = lasts(self.missing, self.is_missing(sample));
         self.frozen = lasts(self.frozen, self.is_frozen(sample, engaged));
@@ -161,7 +158,7 @@ impl Monitor {
 
     /// A speed reads exactly 0 though what moves with it turns.
     fn is_missing(&self, sample: &Sample) -> bool {
-        let [e, output @ ..] = speeds(sample);
+        let [e, output @ ..] = sample.speeds();
         let stands = (0..3).any(|i| self.scale[i] != 0.0 && output[i] == 0.0);
         let turns = (0..3).any(|i| (self.scale[i] * output[i]).abs() > TURNS);
         e == 0.0 && sample.t_e > RUNS || stands && turns
@@ -187,15 +184,9 @@ impl Monitor {
     }
 }
 
-/// ω_e, ω_c1, ω_c2, ω_w [rad/s].
-fn speeds(sample: &Sample) -> [f64; SPEEDS] {
-    let [one, two] = sample.omega_c;
-    [sample.omega_e, one, two, sample.omega_w]
-}
-
 /// All speeds and T_e.
 fn signals(sample: &Sample) -> [f64; SPEEDS + 1] {
-    let [e, one, two, w] = speeds(sample);
+    let [e, one, two, w] = sample.speeds();
     [e, one, two, w, sample.t_e]
 }
 

@@ -2,6 +2,7 @@
 
 use crate::Params;
 use crate::observer::encoder::Encoders;
+use crate::observer::leap::Leaps;
 use crate::observer::shift::Shift;
 use crate::observer::{
     Calibrating, Energy, Estimate, Kalman, Lyapunov, Observer, Paper, Sample, Settings, Visit, made,
@@ -67,6 +68,11 @@ impl Selected {
         self.inputs.encoders.may_count()
     }
 
+    /// Which speeds the last sample left as they were, as it had them leap.
+    pub fn leaps(&self) -> &Leaps {
+        &self.inputs.leaps
+    }
+
     fn parts(&mut self) -> (&mut Inputs, &mut dyn Observer) {
         let acting: &mut dyn Observer = match self.method {
             Method::Paper => &mut self.paper,
@@ -121,9 +127,10 @@ impl Observer for Selected {
     }
 }
 
-/// What a sample passes before a method sees it: counted speeds, and which gears are in.
+/// What a sample passes before a method sees it: speeds that leap, counted speeds, and which gears are in.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inputs {
+    leaps: Leaps,
     encoders: Encoders,
     shift: Shift,
 }
@@ -137,6 +144,7 @@ impl Inputs {
         settings: &Settings,
         sample: &Sample,
     ) -> Estimate {
+        self.leaps.start(sample);
         self.encoders.start(sample);
         self.shift.start(sample);
         acting.start(&p.in_gears(sample.gear), settings, sample)
@@ -163,6 +171,15 @@ impl Inputs {
         (sample, h): (&Sample, f64),
         y: &mut Estimate,
     ) {
+        let (encoders, shift) = (&self.encoders, &self.shift);
+        let held = self.leaps.step(sample, h, || {
+            let mut freedom = encoders.scatter(settings, sample, h);
+            for i in (0..2).filter(|i| shift.is_on_its_way(p, sample, *i)) {
+                freedom[1 + i] = f64::INFINITY;
+            }
+            freedom
+        });
+        let sample = held.as_ref().unwrap_or(sample);
         let counted = self.encoders.step(settings, sample, h);
         let (sample, settings) = match &counted {
             Some((sample, settings)) => (sample, settings),
@@ -178,7 +195,12 @@ impl Inputs {
 
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
-        let Self { encoders, shift } = self;
+        let Self {
+            leaps,
+            encoders,
+            shift,
+        } = self;
+        leaps.visit(visit);
         encoders.visit(visit);
         shift.visit(visit);
     }

@@ -83,7 +83,7 @@ impl Shift {
     fn follow(&mut self, p: &Params, sample: &Sample) -> f64 {
         let mut impulse = 0.0;
         for i in [0, 1] {
-            if p.clutch[i].force(sample.actuation[i]) > 0.0 {
+            if !is_open(p, sample, i) {
                 continue; // neither goes a gear out nor comes one in
             }
             if sample.gear[i] != self.gear[i] {
@@ -114,6 +114,20 @@ impl Shift {
         sample.omega_c[i] - g[i] * omega_o
     }
 
+    /// Whether shaft `i`, whose gear is coming in, is between its last speed and that of the gear in a sample, or has met
+    /// it: a synchroniser brings it there at once, or as fast as it likes.
+    pub fn is_on_its_way(&self, p: &Params, sample: &Sample, i: usize) -> bool {
+        let mut next = *self;
+        next.gear[i] = sample.gear[i];
+        let waits = !self.is_in[i] || next.gear[i] != self.gear[i];
+        if !waits || p.g(next.gear)[i] == 0.0 || !is_open(p, sample, i) {
+            return false;
+        }
+        let left = next.left(p, sample, i);
+        let before = left + self.omega_c[i] - sample.omega_c[i];
+        left.abs() < ALIKE || left * before > 0.0 && left.abs() < before.abs()
+    }
+
     /// Visits every number of the state.
     pub fn visit(&mut self, visit: Visit<'_>) {
         let Self {
@@ -140,6 +154,11 @@ fn whole(number: f64) -> i32 {
     (-16..=16)
         .find(|gear| f64::from(*gear) == number)
         .unwrap_or(0)
+}
+
+/// Clutch `i` transmits nothing.
+fn is_open(p: &Params, sample: &Sample, i: usize) -> bool {
+    p.clutch[i].force(sample.actuation[i]) <= 0.0
 }
 
 #[cfg(test)]

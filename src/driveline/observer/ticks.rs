@@ -62,6 +62,12 @@ impl Ticks {
         }
     }
 
+    /// Angle of a tick [rad] if a `reading` [rad/s] over `h` [s] is counted, as all before it may have been.
+    pub fn tick_with(mut self, reading: f64, h: f64) -> Option<f64> {
+        self.step(reading, h, false);
+        self.whole().map(|ticks| TAU / ticks)
+    }
+
     /// The speed is not counted, for all that will come.
     pub fn is_none(&self) -> bool {
         self.tick < 0.0

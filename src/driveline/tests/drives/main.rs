@@ -13,6 +13,7 @@ mod bench;
 mod calibrating;
 mod consistency;
 mod encoders;
+mod glitches;
 mod laws;
 mod methods;
 mod observability;

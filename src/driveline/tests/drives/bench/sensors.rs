@@ -113,3 +113,17 @@ pub fn dropping(seed: u64) -> impl FnMut(Sample) -> Sample {
         kept
     }
 }
+
+/// Four times in a second one of the speeds, each in turn, is `wrong` [rad/s] for a sample; samples are `h` [s] apart.
+pub fn glitching(wrong: f64, h: f64) -> impl FnMut(Sample) -> Sample {
+    let every = (0.25 / h).round() as usize;
+    let mut index = 0;
+    move |sample| {
+        let mut speeds = sample.speeds();
+        if index % every == every / 2 {
+            speeds[index / every % 4] = wrong;
+        }
+        index += 1;
+        sample.with_speeds(speeds)
+    }
+}
