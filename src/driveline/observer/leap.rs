@@ -64,6 +64,8 @@ impl Leaps {
 
     /// The sample `h` [s] after the last one with the speeds that are held; nothing if none is.
     ///
+    /// Speeds that are no numbers, or a step that is none, change nothing.
+    ///
     /// `freedom`: by how much more each speed may leap [rad/s], shape (4); asked for where one does.
     pub fn step(
         &mut self,
@@ -72,7 +74,8 @@ impl Leaps {
         freedom: impl FnOnce() -> [f64; SPEEDS],
     ) -> Option<Sample> {
         let now = sample.speeds();
-        let steady = (0..SPEEDS).fold(true, |steady, j| {
+        let passes = h > 0.0 && h < f64::INFINITY;
+        let steady = (0..SPEEDS).fold(passes, |steady, j| {
             steady & ((now[j] - self.last[j]).abs() <= reach(now[j], j, h))
         });
         if steady {
@@ -249,6 +252,8 @@ mod tests {
         );
         let before = leaps;
         for (speed, h) in [
+            (91.0, f64::INFINITY),
+            (91.0, 0.0),
             (f64::NAN, H),
             (f64::INFINITY, H),
             (0.0, f64::NAN),
