@@ -80,7 +80,7 @@ fn a_mistake_is_told_with_its_exit_code() {
         (
             ["--calibration", "."],
             2,
-            "calibration.ssv: No such file or directory",
+            "--calibration .: no calibration.ssv in this folder; `dct-harness run` writes it",
         ),
     ] {
         let (status, said) = told(cosim(&system, folder.path(), &more));
