@@ -33,6 +33,24 @@ def common(
         The channels have several time axes and no step is given, share no time, or the step is
         too short.
     """
+    first, last = _stretch(channels, start, stop)
+    if step is None:
+        axis = _shared(channels)
+        axis = axis[(axis >= first) & (axis <= last)]
+    elif (last - first) / step > MOST:
+        raise ConfigError(f"step = {step:g} s: more than {MOST:g} samples; take a longer one")
+    else:
+        axis = first + np.arange(int((last - first) / step + ROUNDING) + 1) * step
+    columns = [_at(channel, axis) for channel in channels]
+    shown = axis - first if start is not None else axis
+    units = {"time": "s"} | {c.name: c.unit for c in channels if c.unit}
+    return Table(["time", *(c.name for c in channels)], np.column_stack([shown, *columns]), units)
+
+
+def _stretch(
+    channels: list[Channel], start: float | None, stop: float | None
+) -> tuple[float, float]:
+    """Return the first and the last instant [s] that all channels have and that are asked for."""
     low = max([c.time[0] for c in channels if len(c.time)], default=0.0)
     high = min([c.time[-1] for c in channels if len(c.time)], default=-1.0)
     if not all(len(c.time) for c in channels) or low > high:
@@ -46,17 +64,7 @@ def common(
         asked += "" if stop is None else f" up to {instant(stop)} s"
         there = f"the channels share {instant(low)} s to {instant(high)} s"
         raise ConfigError(f"there is no sample{asked}: {there}")
-    if step is None:
-        axis = _shared(channels)
-        axis = axis[(axis >= first) & (axis <= last)]
-    elif (last - first) / step > MOST:
-        raise ConfigError(f"step = {step:g} s: more than {MOST:g} samples; take a longer one")
-    else:
-        axis = first + np.arange(int((last - first) / step + ROUNDING) + 1) * step
-    columns = [_at(channel, axis) for channel in channels]
-    shown = axis - first if start is not None else axis
-    units = {"time": "s"} | {c.name: c.unit for c in channels if c.unit}
-    return Table(["time", *(c.name for c in channels)], np.column_stack([shown, *columns]), units)
+    return first, last
 
 
 def _shared(channels: list[Channel]) -> np.ndarray:
