@@ -68,6 +68,22 @@ def test_units_of_an_mf4_file_count(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert _found(path, capsys=capsys) == pytest.approx((STIFFNESS, DAMPING), rel=FOUND)
 
 
+def test_how_large_the_inputs_become_shows_a_unit_that_was_not_meant(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Speeds in rpm under a header without units: the fit is as good, stiffness a tenth of it."""
+    rows = np.array([_launch(k * STEP) for k in range(ROWS)])
+    clutch, wheel = RPM * rows[:, 1:3].max(axis=0)
+    for factor in (1.0, RPM):
+        scale = np.array([1.0, factor, factor, 1.0])
+        path = _file(tmp_path, lambda _, row, by=scale: [*(np.array(row) * by)])
+        assert cli.main(["identify", str(path)]) == 0
+        first = capsys.readouterr().out.splitlines()[0]
+        speeds = f"clutch speed up to {factor * clutch:.0f} rpm, wheel {factor * wheel:.0f} rpm,"
+        assert first.startswith(speeds)
+        assert first.endswith("where no unit is stated read as rad/s and N·m")
+
+
 def test_signals_with_times_of_their_own_are_resampled(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -100,6 +116,16 @@ def _with(column: int, value: Callable[[int, float], float]) -> Callable[[int, R
     (lambda k, row: [row[0], 0.0, 0.0, row[3]], NAMES, "check the speed signals"),
     (_with(3, lambda k, v: math.inf if k == 500 else v), NAMES,
      "'driveShaft.torque' is inf N.m at t = 0.5 s"),
+    (_with(3, lambda _, v: v / 1000), NAMES,
+     "|T_o| never reaches 20 N·m, but 0.2596 at most: take data of a launch, say the unit"),
+    (_with(0, lambda _, v: v * 1000), NAMES,
+     "only 2 rows of 20 from t = 74 s on, as they are 1 s apart; take a longer --length, or say "
+     "the unit of the time where it is ms"),
+    (_with(3, lambda _, v: -v), NAMES,
+     "k_o = -5000 N·m/rad, c_o = -500 N·m·s/rad (iv), both below 0: torque and speeds differ in "
+     "sign; a --map file can say factor = -1"),
+    (_with(3, lambda k, _: 100.0 + 10 * math.sin(1e4 * k * k)), NAMES,
+     "noise hides the twist of the shaft; take a launch whose torque changes more"),
     (_with(2, lambda k, v: 1e300 if k == 9 else v), NAMES,
      "'wheel.speed' is 1e+300 rad/s at t = 0.009 s"),
     (_with(0, lambda k, v: v + 2e-4 * (k == 3)), NAMES,

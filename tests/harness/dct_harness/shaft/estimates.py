@@ -97,19 +97,22 @@ def identify(
     through = partial(low_pass, step=step, cutoff=CUTOFF) if method == "prefilter" else np.copy
     rate, torque = through(rate), through(torque)
     x = _regressors(rate, step, offset=method != "paper")
-    z = x.copy()
+    z = x * inside[:, None]
     if method == "iv":
-        z[:, 1] = _neighbours(rate, max(1, round(NEIGHBOURS / step)))
-    z *= inside[:, None]
+        z[inside, 1] = _neighbours(rate, max(1, round(NEIGHBOURS / step)))[inside]
     _check_moves(x[inside], torque[inside], time[inside])
     inverse = np.linalg.inv(z.T @ x)
     beta = inverse @ z.T @ torque
     errors = _errors(inverse @ z.T, beta, noise, step, through)
     found = [Estimated(float(b), float(e)) for b, e in zip(beta[:2], errors[:2], strict=True)]
-    residual, total = (torque - x @ beta)[inside], torque[inside] - torque[inside].mean()
-    share = 1 - float(residual @ residual / (total @ total))
-    first, last = time[inside][[0, -1]].tolist()
-    return Fit(method, found[0], found[1], share, int(inside.sum()), first, last)
+    share = _explained(torque[inside], (x @ beta)[inside])
+    return Fit(method, *found, share, int(inside.sum()), *time[inside][[0, -1]].tolist())
+
+
+def _explained(torque: np.ndarray, fitted: np.ndarray) -> float:
+    """Return R² about the mean."""
+    residual, total = torque - fitted, torque - torque.mean()
+    return 1 - float(residual @ residual / (total @ total))
 
 
 def _regressors(rate: np.ndarray, step: float, offset: bool) -> np.ndarray:
@@ -151,15 +154,19 @@ def _rows(time: np.ndarray, torque: np.ndarray, window: Window) -> np.ndarray:
     """Return the rows of the window, shape (n,)."""
     built_up = (np.abs(torque) >= window.built_up) & (time >= window.start)
     if not built_up.any():
+        late = np.abs(torque[time >= window.start])
+        there = f"but {late.max():.4g} at most" if late.size else "for no row is that late"
         raise ConfigError(
-            f"|T_o| never reaches {window.built_up:g} N·m: take data of a launch, or another "
-            "--built-up or --start"
+            f"|T_o| never reaches {window.built_up:g} N·m, {there}: take data of a launch, say the "
+            "unit where it is kN·m, or take another --built-up or --start"
         )
     first = time[np.argmax(built_up)]
     inside = built_up & (time <= first + window.length)
     if inside.sum() < LEAST:
         raise ConfigError(
-            f"only {inside.sum()} rows from t = {first:g} s on; take a longer --length"
+            f"only {inside.sum()} rows of {LEAST} from t = {first:g} s on, as they are "
+            f"{instant(np.median(np.diff(time)))} s apart; take a longer --length, or say the unit "
+            "of the time where it is ms"
         )
     return inside
 

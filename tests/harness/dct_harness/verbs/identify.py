@@ -40,7 +40,8 @@ REMARKS = {
 }
 
 LATE = 0.1  # of the rows, at their end: over these the twist hardly counts beside the speeds
-CERTAIN = 3.0  # standard errors below 0 of a damping that is none
+CERTAIN = 3.0  # standard errors below 0 of a damping that is none; those a stiffness must exceed
+TWISTED = 0.5  # R² of a fit that follows the torque, be it with the wrong sign
 
 CODES = "0 found, 2 usage, or the source cannot be read, shows no launch, or does not fit --ratio"
 
@@ -76,7 +77,7 @@ def identify(args: argparse.Namespace) -> int:
     ratios = f"the speeds end there as {_ratio(rows, fits[0]):.4g} : 1, --ratio is {args.ratio:g}"
     _check(fits, ratios)
     moved = _moved(rows, args.ratio, window, fits)
-    text = f"{table(fits, ratios)}\n\n{_doubt(fits[-1], moved[-1])}"
+    text = f"{_largest(rows)}\n{table(fits, ratios)}\n\n{_doubt(fits[-1], moved[-1])}"
     told = [asdict(fit) | {"readTooHigh": {"share": HIGH, **moves}}
             for fit, moves in zip(fits, moved, strict=True)]  # fmt: skip
     say(args, text, told)
@@ -101,6 +102,16 @@ def _moved(
             moves[name] = {"stiffness": now.stiffness.value - was.stiffness.value,
                            "damping": now.damping.value - was.damping.value}  # fmt: skip
     return found
+
+
+def _largest(rows: np.ndarray) -> str:
+    """Return how large the inputs become: nothing else tells the unit of a column without one."""
+    clutch, wheel, torque = np.abs(rows[:, 1:]).max(axis=0)
+    per_minute = find("rpm").factor
+    return (
+        f"clutch speed up to {clutch / per_minute:.0f} rpm, wheel {wheel / per_minute:.0f} rpm, "
+        f"torque {torque:.4g} N·m, where no unit is stated read as rad/s and N·m"
+    )
 
 
 def _doubt(fit: shaft.Fit, moves: dict[str, Moves]) -> str:
@@ -129,12 +140,24 @@ def _ratio(rows: np.ndarray, fit: shaft.Fit) -> float:
 
 def _check(fits: list[shaft.Fit], ratios: str) -> None:
     """Refuse what no shaft has: a wrong ratio gives it, with an R² near 1 and small errors."""
+    best = fits[-1]
+    k, c = best.stiffness, best.damping
+    if abs(k.value) <= CERTAIN * k.error:
+        raise ConfigError(
+            f"k_o = {k.value:.5g} ± {k.error:.2g} N·m/rad ({best.method}): noise hides the twist "
+            "of the shaft; take a launch whose torque changes more, or a longer --length"
+        )
+    if k.value < 0 and c.value < 0 and best.r_squared > TWISTED:
+        raise ConfigError(
+            f"k_o = {k.value:.5g} N·m/rad, c_o = {c.value:.5g} N·m·s/rad ({best.method}), both "
+            "below 0: torque and speeds differ in sign; a --map file can say factor = -1"
+        )
     for fit in fits:
-        k, c = fit.stiffness.value, fit.damping
-        if k <= 0 or c.value + CERTAIN * c.error < 0:
+        k, c = fit.stiffness, fit.damping
+        if k.value <= 0 or c.value + CERTAIN * c.error < 0:
             raise ConfigError(
-                f"k_o = {k:.5g} N·m/rad, c_o = {c.value:.5g} N·m·s/rad ({fit.method}): no shaft "
-                f"has that, so clutch, gear or sign are others; {ratios}"
+                f"k_o = {k.value:.5g} N·m/rad, c_o = {c.value:.5g} N·m·s/rad ({fit.method}): no "
+                f"shaft has that, so clutch, gear or sign are others; {ratios}"
             )
 
 
