@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_loop_runs import FMUS, SYSTEMS, rms, run
+from dct_harness import cli
 from dct_harness.errors import ConfigError
 from dct_harness.fmu.fmu import Fmu
 from dct_harness.system import parameters
@@ -30,6 +31,32 @@ def test_an_fmu_takes_every_value_of_a_parameter_file(path: Path) -> None:
         fmu.close()
     assert {name: found[name]["value"] for name in values} == values
     assert len(values) > 40
+
+
+def test_a_run_that_fails_says_what_the_observer_believes_of_another_vehicle(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A ratio that only the plant was given; a run that passes says nothing of the kind."""
+    asked = ["run", str(SYSTEMS / "paper_case1.toml"), "--engine", "native", "--out", str(tmp_path)]
+    changed = ["--set", "plant.shaft1.gearRatio[1]=3.5", "--set", "plant.engine.inertia=0.6"]
+    told = "observer believes engine.inertia = 0.745 (plant 0.6) kg.m2, shaft1.gearRatio[1] = 3.0 "
+    assert cli.main([*asked, *changed]) == 1
+    assert f"verdict: fail\n\n{told}(plant 3.5)\n" in capsys.readouterr().out
+    same = [word.replace("plant.", "observer.") for word in changed]
+    assert cli.main([*asked, *changed, *same]) == 0
+    assert "believes" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", sorted(p.stem for p in SETS.glob("*_observer.ssv")))
+def test_the_plant_has_every_parameter_of_an_observers_file(name: str) -> None:
+    """So that one file says a vehicle to both; a control believes what its observer does."""
+    believed = parameters.read(SETS / f"{name}.ssv")
+    true = parameters.read(SETS / f"{name.replace('observer', 'plant')}.ssv")
+    assert {key: true.get(key) for key in believed} == believed
+    control = SETS / f"{name.replace('observer', 'control')}.ssv"
+    if control.exists():
+        its = parameters.read(control)
+        assert {key: believed.get(key) for key in its} == its
 
 
 def test_the_paper_preset_is_where_the_plant_starts() -> None:

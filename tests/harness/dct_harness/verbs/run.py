@@ -12,6 +12,7 @@ from typing import Any
 from .. import formats, kpi, results
 from ..errors import HarnessError, InterruptedRunError, instant
 from ..fmu import sources
+from ..kpi.estimation import PLANT
 from ..master import check_step, watch
 from ..master.master import BUILD, SCENARIO, Run, Wanted
 from ..master.native import NativeRun
@@ -22,6 +23,7 @@ from .arguments import Verbs, add_limits, add_loudness, amount, limits, seconds,
 from .environment import environment
 
 KPI_FAILS = 1
+SHOWN = 6  # parameters in a line
 DETAILS = ("phase/", "state/", "event/")  # scopes that --verbose shows
 ENGINES = {"fmpy": Run, "native": NativeRun}
 FORMATS = tuple(suffix[1:] for suffix in formats.SUFFIXES)
@@ -231,6 +233,8 @@ def _say(
     elif not args.quiet:
         if kpis:
             print(kpi.format_table(kpis if args.verbose else _whole(kpis)) + "\n")
+            if kpis["verdict"] == "fail":
+                _say_beliefs(record["parameters"])
         if record["samples"]:
             print(f"{out}: {record['samples']} samples to t = {instant(record['reached'])} s")
 
@@ -242,6 +246,22 @@ def _say_coupling(coupling: dict[str, Any]) -> None:
         print(f"  one step late: {wire['from']} -> {wire['to']}", file=sys.stderr)
     for loop in coupling["loops"]:
         print(f"  algebraic loop: {', '.join(loop)}", file=sys.stderr)
+
+
+def _say_beliefs(parameters: dict[str, Any]) -> None:
+    """Name what another component believes of the vehicle that the plant is not."""
+    plant = parameters.get(PLANT, {})
+    for component, its in parameters.items():
+        other = [_belief(name, p, plant[name]) for name, p in its.items()
+                 if name in plant and p["value"] != plant[name]["value"]]  # fmt: skip
+        if other:
+            more = f" and {len(other) - SHOWN} more" if len(other) > SHOWN else ""
+            print(f"{component} believes {', '.join(other[:SHOWN])}{more}\n")
+
+
+def _belief(name: str, believed: dict[str, Any], true: dict[str, Any]) -> str:
+    unit = "" if believed["unit"] == "1" else believed["unit"]
+    return f"{name} = {believed['value']} (plant {true['value']}) {unit}".rstrip()
 
 
 def _whole(kpis: dict[str, Any]) -> dict[str, Any]:

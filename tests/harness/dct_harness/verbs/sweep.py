@@ -48,7 +48,7 @@ a study file:
   engine = "native"
 
   [factors.mass]                # a column of the results, an axis of the report
-  set = "plant.vehicle.mass"    # or a list of several
+  set = ["plant.vehicle.mass", "plant.vehicle.wheelInertia"]  # or one: "plant.vehicle.mass"
   uniform = [0.8, 1.2]          # normal, lognormal, truncated, values
   relative = true               # times what the parameter has otherwise
   label = "vehicle mass / nominal"
@@ -76,15 +76,7 @@ def add(verbs: Verbs) -> None:
     parser = verb(verbs, "sweep", sweep, text, EXAMPLES, CODES)
     parser.epilog = f"{parser.epilog}{STUDY_FILE}"
     parser.add_argument("system", type=Path, help="study file, or system file with --vary")
-    parser.add_argument(
-        "--vary", action="append", default=[], metavar="DRAW", help=sampling.VARY_HELP
-    )
-    many = (f"sets of numbers, each with every set of choices ({Study.runs}); "
-            "saltelli makes factors + 2 times as many, grid combines so many levels")  # fmt: skip
-    parser.add_argument("--runs", type=int, help=many)
-    parser.add_argument("--seed", type=int, help=f"same seed, same draws ({Study.seed})")
-    how = f"how numbers are drawn ({Study.sampling}); saltelli: for Sobol indices"
-    parser.add_argument("--sampling", choices=sampling.METHODS, help=how)
+    _add_draws(parser)
     parser.add_argument("--jobs", type=int, help=f"processes at once ({Study.jobs})")
     for name, kind, told in (
         ("scenario", "FILE", "scenario CSV instead of the file's"),
@@ -114,6 +106,19 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("--junit", type=Path, metavar="FILE", help="runs as JUnit XML")
     parser.add_argument("--keep", action="store_true", help="keep the signals of every run")
     add_loudness(parser, "verdict, misses and the spread of the KPIs", "also every run as it ends")
+
+
+def _add_draws(parser: argparse.ArgumentParser) -> None:
+    """Add what a sweep draws, and how."""
+    parser.add_argument(
+        "--vary", action="append", default=[], metavar="DRAW", help=sampling.VARY_HELP
+    )
+    many = (f"sets of numbers, each with every set of choices ({Study.runs}); "
+            "saltelli makes factors + 2 times as many, grid combines so many levels")  # fmt: skip
+    parser.add_argument("--runs", type=int, help=many)
+    parser.add_argument("--seed", type=int, help=f"same seed, same draws ({Study.seed})")
+    how = f"how numbers are drawn ({Study.sampling}); saltelli: for Sobol indices"
+    parser.add_argument("--sampling", choices=sampling.METHODS, help=how)
 
 
 def sweep(args: argparse.Namespace) -> int:
