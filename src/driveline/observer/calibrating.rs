@@ -186,6 +186,7 @@ impl Observer for Calibrating {
         }
         let (p, sample) = &self.known(p, settings, sample);
         self.tracker.start(p, sample, WHEEL);
+        self.tracker.believe_road(p, settings.load);
         let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
         self.walk.mean = self.tracker.belief.x[T_V];

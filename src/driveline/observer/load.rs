@@ -19,6 +19,8 @@
 //! moves by as much; T_y is what synchronisers do meanwhile.
 //!
 //! A brake torque that is measured is kept apart: it counts at once, also while the rest is held.
+//!
+//! Who takes the grade for T_v vouches for it, with (11): see [`LoadMethod::vouched`].
 
 use crate::Params;
 use crate::kept::Kept;
@@ -36,6 +38,19 @@ pub enum LoadMethod {
     Engine,
     /// (20) with the momentum of every inertia.
     Momentum,
+}
+
+/// Share of T_v of (11) that is not known where the grade is vouched for [1]: mass, drag, rolling resistance.
+const SHARE: f64 = 0.1;
+/// Deviation of a grade that is vouched for [rad].
+const SLOPE: f64 = 5e-3;
+
+impl LoadMethod {
+    /// Variance [(N·m)²] of `t_v`, T_v of (11) without a brake torque [N·m], where it is vouched for.
+    pub fn vouched(self, p: &Params, t_v: f64) -> Option<f64> {
+        let (share, slope) = (SHARE * t_v, SLOPE * p.road.weight() * p.road.r_w);
+        (self == Self::Grade).then_some(share * share + slope * slope)
+    }
 }
 
 /// τ: time constant of the filter on both sides of (20) [s].

@@ -9,6 +9,7 @@ use crate::Params;
 use crate::observer::filter::{Belief, Terms, along};
 use crate::observer::friction::Friction;
 use crate::observer::instant::Instant;
+use crate::observer::load::LoadMethod;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
@@ -109,6 +110,15 @@ impl<const N: usize> Tracker<N> {
         self.engage(p, sample);
         self.swing = Swing::rest(p, sample.t_e, 0.0);
         self.monitor.start(p, sample);
+    }
+
+    /// After the start, with a clutch engaged: T_v is that of (11) as far as `method` vouches for it. Behind an engaged clutch no
+    /// speed tells it from an offset of T_e.
+    pub fn believe_road(&mut self, p: &Params, method: LoadMethod) {
+        let Belief { x, p: variance } = &mut self.belief;
+        if let (Some(vouched), Some(_)) = (method.vouched(p, x[T_V]), self.engaged) {
+            variance[(T_V, T_V)] = vouched;
+        }
     }
 
     /// Before the prediction: gears that went out or came in, engaged clutches.

@@ -41,7 +41,7 @@ static LOAD_METHOD: Enumeration = Enumeration {
         Item {
             name: "grade",
             value: GRADE,
-            description: "(11) from speed, road grade and brake torque",
+            description: "(11) from speed, road grade and brake torque; calibrating starts from it if a clutch is engaged",
         },
         Item {
             name: "engine",

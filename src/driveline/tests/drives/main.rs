@@ -18,4 +18,5 @@ mod laws;
 mod methods;
 mod observability;
 mod twins;
+mod vouched;
 mod worn;

@@ -1,4 +1,5 @@
-//! Vehicles with the same speeds and other torques: what no observer can tell apart, whatever its method.
+//! Vehicles with the same speeds and other torques: what no observer can tell apart, whatever its method, unless the road is told
+//! (`vouched.rs`).
 //!
 //! An engine torque that is reported b too high, and one that is reported b too low while the road is steeper: with a clutch
 //! engaged, or one slipping alone, all of 2 g b goes through the drive shaft into the load, and no speed differs. What an

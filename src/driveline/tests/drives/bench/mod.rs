@@ -10,7 +10,7 @@ use dct_driveline::Params;
 use dct_driveline::integrate::Propagators;
 use dct_driveline::observer::calibrating::Gains;
 use dct_driveline::observer::prior::Prior;
-use dct_driveline::observer::{Estimate, Method, Observer, Sample, Selected, Settings};
+use dct_driveline::observer::{Estimate, LoadMethod, Method, Observer, Sample, Selected, Settings};
 use dct_driveline::params::Actuation;
 use dct_driveline::plant::{Input, InputRate, Output, Plant};
 
@@ -207,6 +207,12 @@ pub fn calibrated(
     let score = observe(drive, &mut observer, &drive.p, settings, sensors, each);
     (score.percent(), last)
 }
+
+/// The road of (11) is vouched for: `load.method` = grade.
+pub const VOUCHED: Settings = Settings {
+    load: LoadMethod::Grade,
+    ..Settings::CASE_1
+};
 
 /// Settings of a drive that starts with what another has learnt.
 pub fn after(learnt: &Estimate) -> Settings {

@@ -52,6 +52,12 @@ pub fn torque_error(mut sample: Sample) -> Sample {
     sample
 }
 
+/// T_e reads 5 % and 2 N·m too low.
+pub fn torque_deficit(mut sample: Sample) -> Sample {
+    sample.t_e = 0.95 * sample.t_e - 2.0;
+    sample
+}
+
 /// T_e reads 2 N·m too high.
 pub fn torque_offset(mut sample: Sample) -> Sample {
     sample.t_e += 2.0;
