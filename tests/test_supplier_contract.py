@@ -44,6 +44,7 @@ def test_skeleton_finds_what_a_person_found(built: Path, name: str) -> None:
         n for n, e in byhand.parameters.items() if n in found and found[n][0].name == e.variable
     ]
     assert len(same) >= PARAMETERS_FOUND[name]
+    assert {n for n in found if n in byhand.parameters} == set(same)  # nothing wrong
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -64,6 +65,27 @@ def test_skeleton_is_a_mapping_once_its_question_marks_are_answered(
     assert set(faults) == asked | missing
     assert missing == ({"wheel.speed"} if name == "antrieb" else set())
     assert re.search(r"^# NEEDED by the observer", text, re.MULTILINE) or not missing
+
+
+def test_check_and_skeleton_name_what_the_observer_keeps_of_table_1(
+    built: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A ratio that nobody maps is the paper's: the observer would be wrong, and no signal tells."""
+    out, plant = tmp_path / "m.toml", built / "Antrieb.fmu"
+    assert cli.main(["map", str(plant), "--out", str(out)]) == 0
+    text = out.read_text()
+    assert '\n# "shaft1.gearRatio[1]" = 3 # [1] i_t of gear 1\n' in text
+    assert '\n# "wheel.speed" = { derive = "vehicle.speed", radius = "?" }\n' in text
+    assert _check(plant, "--map", out) == 1
+    said = capsys.readouterr().out
+    assert "[parameters] and [known] do not say vehicle.mass, " in said
+    assert "shaft1.gearRatio, " in said
+    assert 'the observer needs it; { derive = "vehicle.speed", radius = … }, if the FMU' in said
+    given = mapping.load(EXAMPLE / "antrieb.toml")
+    left = ["vehicle.rollingResistanceSpeed", "damper.stiffness", "damper.damping"]
+    assert against.untold(given) == left
+    assert _check(plant, "--map", EXAMPLE / "antrieb.toml") == 0
+    assert f"do not say {', '.join(left)}: the observer keeps" in capsys.readouterr().out
 
 
 def test_skeleton_keeps_an_existing_file(built: Path, tmp_path: Path) -> None:

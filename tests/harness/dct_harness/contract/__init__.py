@@ -17,11 +17,15 @@ from ..units import Unit, declared
 
 @dataclass(frozen=True)
 class Contract:
-    """Variables of a plant by name; `needed` are the outputs that the observer reads."""
+    """Variables of a plant by name.
+
+    `needed` are the outputs that the observer reads, `believed` the parameters that it has, too.
+    """
 
     description: Any
     variables: dict[str, Any]
     needed: frozenset[str]
+    believed: frozenset[str]
 
     def of(self, causality: str) -> dict[str, Any]:
         """Return the variables of a causality by name."""
@@ -42,6 +46,7 @@ def plant() -> Contract:
     """Return what DctPlant shows and DctObserver reads."""
     description, observer = _read("DctPlant"), _read("DctObserver")
     variables = {v.name: v for v in description.modelVariables}
-    read = {v.name for v in observer.modelVariables if v.causality == "input"}
-    outputs = {n for n, v in variables.items() if v.causality == "output"}
-    return Contract(description, variables, frozenset(read & outputs))
+    known = {(v.name, v.causality) for v in observer.modelVariables}
+    read = {n for n, v in variables.items() if v.causality == "output" and (n, "input") in known}
+    believed = {n for n, v in variables.items() if (n, "parameter") in known}
+    return Contract(description, variables, frozenset(read), frozenset(believed))

@@ -14,6 +14,7 @@ from .links import Linker
 from .mapping import Entry, Mapping
 
 SECTIONS = (("inputs", "input"), ("outputs", "output"), ("parameters", "parameter"))
+WHEEL, VEHICLE = "wheel.speed", "vehicle.speed"
 ACTUATORS = ("position", "pressure")
 
 
@@ -55,10 +56,21 @@ def findings(description: Any, mapping: Mapping, same_names: bool) -> list[Findi
     return found
 
 
+def untold(mapping: Mapping) -> list[str]:
+    """Return the parameters of the vehicle that the observer keeps: the mapping does not say them.
+
+    Left out are those that are 0 in Table 1: parts that its vehicle lacks.
+    """
+    contract = plant_contract()
+    told = {*mapping.parameters, *mapping.known}
+    return [n for n, v in contract.of("parameter").items()
+            if n in contract.believed - told and float(v.start)]  # fmt: skip
+
+
 def _missing(contract: Contract, entries: dict[str, Entry], name: str) -> Finding:
     part, _, what = name.partition(".")
     if name in contract.needed:
-        return Finding(name, "", "missing: the observer needs it", True)
+        return Finding(name, "", f"missing: the observer needs it{_derived(name, entries)}", True)
     if name == "engine.torque":
         return Finding(name, "", "missing: nothing drives the plant", True)
     if what in ACTUATORS and not any(f"{part}.{a}" in entries for a in ACTUATORS):
@@ -66,6 +78,12 @@ def _missing(contract: Contract, entries: dict[str, Entry], name: str) -> Findin
     causality = contract.variables[name].causality
     effect = "what a scenario says of it has no effect" if causality == "input" else "optional"
     return Finding(name, "", f"not there; {effect}")
+
+
+def _derived(name: str, entries: dict[str, Entry]) -> str:
+    if name != WHEEL or VEHICLE not in entries:
+        return ""
+    return f'; {{ derive = "{VEHICLE}", radius = … }}, if the FMU has none'
 
 
 def _mapped(

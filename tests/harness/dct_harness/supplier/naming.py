@@ -45,6 +45,7 @@ IDEAS = (
 # Other words for what a name of ours means.
 ALIASES = {f"clutch{k}.speed": f"shaft{k}.speed" for k in (1, 2)}
 IDEA_OF = {word: k for k, row in enumerate(IDEAS) for word in row.split()}
+FINAL_DRIVE = IDEA_OF["finaldrive"]
 SUFFIXES = {
     "rpm": "rpm", "nm": "N.m", "mm": "mm", "kmph": "km/h", "kph": "km/h", "deg": "deg",
     "bar": "bar", "degc": "degC", "kgm2": "kg.m2", "kg": "kg", "pct": "%", "nmprad": "N.m/rad",
@@ -96,13 +97,17 @@ def unit_of(description: Any, variable: Any) -> Unit | None:
 def likeness(ours: Any, our_unit: Unit, theirs: Any, their_unit: Unit | None) -> float:
     """Return 0 to 1: shared ideas of the names and, at half weight, of the description.
 
-    Units of other quantities and other numbers (clutch 1, clutch 2) never fit.
+    Units of other quantities and other numbers (clutch 1, clutch 2) never fit, nor does the ratio
+    of a gear that of a final drive.
     """
     if ours.type == "Real" and their_unit and their_unit.exponents != our_unit.exponents:
         return 0.0
     if (ours.type == "Real") != (theirs.type == "Real") or theirs.type == "String":
         return 0.0
     if words(ours.name)[1] not in (words(theirs.name)[1], words(theirs.description or "")[1]):
+        return 0.0
+    about = ideas(theirs.name) | ideas(theirs.description or "")
+    if (FINAL_DRIVE in ideas(ours.name)) != (FINAL_DRIVE in about):
         return 0.0
     names = (ours.name, ALIASES.get(ours.name, ours.name))
     sure = 1.0 if their_unit or ours.type != "Real" else 0.9

@@ -9,7 +9,8 @@ from typing import Any
 from ..contract import Contract
 from ..fmu.values import items
 from ..units import declared
-from .naming import ALIKE, likeness, unit_of, unit_of_name
+from .against import VEHICLE, WHEEL
+from .naming import ALIKE, likeness, unit_of, unit_of_name, words
 
 SECTIONS = (("inputs", "input"), ("outputs", "output"), ("parameters", "parameter"))
 HEAD = """# Mapping of {model} to the names of DctPlant, written by `dct-harness map`.
@@ -21,19 +22,21 @@ share = ["observer", "control"] # take this plant's values of [parameters] and [
 
 
 def pairs(contract: Contract, description: Any, causality: str) -> dict[str, tuple[Any, float]]:
-    """Return our name -> the likeliest variable of theirs and how likely, best first, each once."""
+    """Return our name -> the likeliest variable of theirs and how likely, best first, each once.
+
+    A parameter of theirs may stand for that of either clutch or shaft.
+    """
     theirs = [v for v in description.modelVariables if v.causality == causality]
     scored = [
         (likeness(ours, contract.unit(name), v, unit_of(description, v)), name, v)
         for name, ours in contract.of(causality).items() for v in theirs
     ]  # fmt: skip
     found: dict[str, tuple[Any, float]] = {}
-    taken: set[str] = set()
+    taken: dict[str, Any] = {}  # a parameter of theirs may be that of both clutches
     for score, name, variable in sorted(scored, key=lambda s: -s[0]):
-        once = causality == "parameter" or variable.name not in taken
-        if score >= ALIKE and name not in found and once:
+        kind = words(name)[0] if causality == "parameter" else name
+        if score >= ALIKE and name not in found and taken.setdefault(variable.name, kind) == kind:
             found[name] = variable, score
-            taken.add(variable.name)
     return found
 
 
@@ -48,10 +51,21 @@ def text(contract: Contract, description: Any, path: Path) -> str:
         for name in contract.of(causality):
             lines += _lines(contract, description, name, found.get(name))
         lines.append("")
+    lines += _known(contract, found)
     lines.append("# Not used above:")
     rest = (v for v in description.modelVariables if v.name not in used)
     lines += [f"# {v.causality or 'local':9} {v.name} {_what(description, v)}" for v in rest]
     return "\n".join(lines) + "\n"
+
+
+def _known(contract: Contract, given: dict[str, Any]) -> list[str]:
+    """Return what the observer believes of the vehicle and the FMU has no parameter for."""
+    lines = ["[known] # what the FMU does not tell; the observer takes Table 1 instead"]
+    for name, ours in contract.of("parameter").items():
+        if name in contract.believed and name not in given:
+            told = f"[{contract.unit(name).name}] {ours.description}"
+            lines.append(f'# "{name}" = {float(ours.start):g} # {told}')
+    return [*lines, ""]
 
 
 def _lines(
@@ -62,7 +76,8 @@ def _lines(
         if ours.causality == "parameter":
             return []
         need = " NEEDED by the observer." if name in contract.needed else ""
-        return [f"#{need} {ours.description}", f'# "{name}" = ""']
+        blank = f'{{ derive = "{VEHICLE}", radius = "?" }}' if name == WHEEL else '""'
+        return [f"#{need} {ours.description}", f'# "{name}" = {blank}']
     theirs, score = found
     if ours.type != "Real" and items(ours) | items(theirs):
         value = _table(theirs, ours)

@@ -76,10 +76,21 @@ def _against(args: argparse.Namespace) -> int:
         parts.append(_table(["sign", "signal", "manoeuvre"], signs))
         found += signs
     faults = sum(f.fault for f in found)
+    kept = against.untold(names) if args.map else []
+    parts += [_kept(kept)] if kept else []
     verdict = f"{faults} faults" if faults else "a plant that the observer can use"
     say(args, "\n\n".join([*parts, f"verdict: {verdict}"]),
-        {"faults": faults, "lines": [asdict(f) for f in found]})  # fmt: skip
+        {"faults": faults, "lines": [asdict(f) for f in found], "untold": kept})  # fmt: skip
     return BROKEN if faults else 0
+
+
+def _kept(names: list[str]) -> str:
+    """Return a sentence on parameters of the vehicle, a list of numbers by its name."""
+    short = list(dict.fromkeys(name.partition("[")[0] for name in names))
+    return (
+        f"[parameters] and [known] do not say {', '.join(short)}: the observer keeps those of "
+        "Table 1; give its own under [known]"
+    )
 
 
 def _table(head: list[str], found: list[Finding]) -> str:
