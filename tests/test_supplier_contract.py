@@ -86,6 +86,10 @@ def test_check_and_skeleton_name_what_the_observer_keeps_of_table_1(
     assert against.untold(given) == left
     assert _check(plant, "--map", EXAMPLE / "antrieb.toml") == 0
     assert f"do not say {', '.join(left)}: the observer keeps" in capsys.readouterr().out
+    out.write_text((EXAMPLE / "antrieb.toml").read_text().replace("share", "# share", 1))
+    assert _check(plant, "--map", out) == 0
+    said = capsys.readouterr().out
+    assert 'without share = ["observer"] the observer keeps the vehicle of Table 1: give it' in said
 
 
 def test_skeleton_keeps_an_existing_file(built: Path, tmp_path: Path) -> None:
@@ -125,7 +129,17 @@ def test_our_plant_keeps_it_without_a_mapping_and_the_observer_does_not(
     ('"gelenkwelle.M", factor = -1', '"gelenkwelle.M"', r"drives the shaft.*wrong sign"),
     ('"kuppl1.nDiff", factor = -1', '"kuppl1.nDiff"', r"slip of clutch1.*wrong sign"),
     ('"kuppl1.sAusrueck", factor = -1, offset = 0.010', '"kuppl1.sAusrueck"',
-     r"closed clutch1 transmits +clutch1\.torque +wrong sign or no effect"),
+     r"closed clutch1 transmits +clutch1\.torque +no effect to speak of: check unit, factor, "
+     r"offset, and those of the inputs \(0 N.m\)"),
+    ('"mot.n" # 1/min', '{ variable = "mot.n", unit = "rad/s" }',
+     r"engine speed is that of clutch1 and its slip +engine\.speed +1\.44e\+03 rad/s, not 151: "
+     r"check their units, clutch1\.slip"),
+    ('"fzg.v" # km/h', '{ variable = "fzg.v", unit = "m/s" }',
+     r"clutch1 turns as fast as gear and wheel say +clutch1\.speed +151 rad/s, not 544: check its"),
+    ('"shaft1.gearRatio[1]" = "getriebe.i1"', '"shaft1.gearRatio[1]" = "getriebe.i3"',
+     r"say +clutch1\.speed +151 rad/s, not 79: check its unit, wheel\.speed, ratios of shaft1"),
+    ('"wheel.radius" = "rad.r"', '"wheel.radius" = { variable = "rad.r", factor = 2 }',
+     r"vehicle is as fast as its wheels +vehicle\.speed +2\.61 m/s, not 5\.21: check its unit"),
     ('"road.grade" = "strasse.neigung"',
      '"road.grade" = { variable = "strasse.neigung", factor = -1 }',
      r"positive road\.grade slows the vehicle +wheel\.speed +wrong sign"),

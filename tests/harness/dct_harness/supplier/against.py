@@ -62,7 +62,7 @@ def untold(mapping: Mapping) -> list[str]:
     Left out are those that are 0 in Table 1: parts that its vehicle lacks.
     """
     contract = plant_contract()
-    told = {*mapping.parameters, *mapping.known}
+    told = {*mapping.parameters, *mapping.known} if mapping.share else set()
     return [n for n, v in contract.of("parameter").items()
             if n in contract.believed - told and float(v.start)]  # fmt: skip
 

@@ -12,6 +12,7 @@ from ..contract import plant as plant_contract
 from ..errors import ConfigError, FmuRuntimeError, did_you_mean, instant
 from ..fmu.fmu import Fmu
 from ..fmu.values import Read, group_of
+from ..system.parameters import BOOLEANS
 from ..units import Unit
 from .links import Link, Linker, Translation
 from .mapping import Entry, Mapping, theirs
@@ -120,7 +121,7 @@ class Mapped:
             if name in values:
                 found[name] = given
             elif given is not None or link.theirs.start is not None:
-                found[name] = link.to_ours(float(link.theirs.start if given is None else given))
+                found[name] = link.to_ours(_number(link.theirs.start if given is None else given))
         return found
 
     @property
@@ -288,6 +289,11 @@ def _typed(link: Link, value: Any) -> Any:
     whole = "give a value that is a whole number there"
     remedy = "give true or false" if kind == "Boolean" else whole
     raise ValueError(f"{ours!r} would be {theirs!r} there, which is {kind}; {remedy}")
+
+
+def _number(value: Any) -> float:
+    """Return a value that a run sets, or a start value as a description writes it."""
+    return float(BOOLEANS.get(value, value))
 
 
 def apply_shared(

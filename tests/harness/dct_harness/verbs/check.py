@@ -72,21 +72,26 @@ def _against(args: argparse.Namespace) -> int:
     found = against.findings(description, names, same_names=args.map is None)
     parts = [_table(["variable", "the FMU's", "contract"], found)]
     if not any(f.fault for f in found):
-        signs = sanity.signs(lambda: Mapped(load("plant", args.fmu), names))
+        signs = sanity.signs(lambda: Mapped(load("plant", args.fmu), names), names.known)
         parts.append(_table(["sign", "signal", "manoeuvre"], signs))
         found += signs
     faults = sum(f.fault for f in found)
     kept = against.untold(names) if args.map else []
-    parts += [_kept(kept)] if kept else []
+    parts += [_kept(kept, bool(names.share))] if kept else []
     verdict = f"{faults} faults" if faults else "a plant that the observer can use"
     say(args, "\n\n".join([*parts, f"verdict: {verdict}"]),
         {"faults": faults, "lines": [asdict(f) for f in found], "untold": kept})  # fmt: skip
     return BROKEN if faults else 0
 
 
-def _kept(names: list[str]) -> str:
+def _kept(names: list[str], shared: bool) -> str:
     """Return a sentence on parameters of the vehicle, a list of numbers by its name."""
     short = list(dict.fromkeys(name.partition("[")[0] for name in names))
+    if not shared:
+        return (
+            'without share = ["observer"] the observer keeps the vehicle of Table 1: give it '
+            f"{', '.join(short)} by the system file"
+        )
     return (
         f"[parameters] and [known] do not say {', '.join(short)}: the observer keeps those of "
         "Table 1; give its own under [known]"
