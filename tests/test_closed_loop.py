@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 import numpy as np
 import pytest
-from closed_loop_runs import GOLDEN, SYSTEMS, Runs, golden_json, golden_rows, rms, run
+from closed_loop_runs import FMUS, GOLDEN, SYSTEMS, Runs, golden_json, golden_rows, rms, run
+from dct_harness import cli
 from dct_harness.results import Results
 from dct_harness.system import scenario
 from lxml import html
@@ -236,3 +239,25 @@ def test_the_observer_trusts_itself_and_the_fmus_have_nothing_to_say(runs: Runs,
     loop = runs(case) if case in CASES else _tracking(runs, case, feedback=True)
     assert loop["observer.status.valid"].all()
     assert [m for m in loop.run["log"] if m["category"] != "logEvents"] == []
+
+
+def test_a_quiet_run_and_junit_name_each_missed_limit_and_why_it_has_no_value(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The log of a CI job shows what broke: values, a mistyped signal, a torque that is 0."""
+    text = (SYSTEMS / "paper_case1.toml").read_text(encoding="utf-8")
+    text = text.replace('"scenarios/', f'"{SYSTEMS}/scenarios/').replace("max = 12", "max = 0.1")
+    system, file = tmp_path / "loop.toml", tmp_path / "junit.xml"
+    system.write_text(text.replace('"driveShaft.torque"', '"driveshaft.torque"'), encoding="utf-8")
+    asked = [str(system), "--engine", "native", "--stop", "2", "-q", "--junit", str(file)]
+    assert cli.main(["run", *asked, "--out", str(tmp_path / "out"), "--fmu-dir", str(FMUS)]) == 1
+    told = capsys.readouterr()
+    assert told.out == ""
+    percent = "RMS error in % of the torque (NRMSE)"
+    assert told.err.count("\n") == told.err.count("dct-harness: limit missed: ") == 5
+    assert re.search(r"clutch1\.torque observer scenario: 0\.\d+ %, limit <= 0\.1 %", told.err)
+    nothing = f"{percent} clutch2.torque observer scenario: not defined in this run, limit <= 14 %"
+    typed = "Did you mean 'driveShaft.torque'?), limit <= 3 %"
+    for words in (nothing, typed):
+        assert words in told.err
+        assert escape(words) in file.read_text(encoding="utf-8")

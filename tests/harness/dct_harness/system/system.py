@@ -171,7 +171,7 @@ def _check_targets(document: tomlfile.Document) -> None:
 
 def _check_kpis(document: tomlfile.Document) -> None:
     """Refuse a limit on a KPI or an estimate that does not exist."""
-    estimates = [*ESTIMATES, *document.data["components"]]
+    estimates = list(dict.fromkeys([*ESTIMATES, *document.data["components"]]))
     for k, limit in enumerate(document.data.get("kpis", [])):
         by = limit.get("estimate", "")
         if by and by not in estimates:

@@ -199,11 +199,18 @@ def _cases(record: dict[str, Any], kpis: dict[str, Any] | None) -> list[junit.Ca
     """Return a case for the run itself and one per limit."""
     cases = [junit.Case("run", junit.ENDS, error=record["error"])]
     for judged in kpis["limits"] if kpis else ():
-        cells = kpi.table.limit_cells([judged])[0]
-        what = " ".join(cells[:3])
-        missed = None if judged["pass"] else f"{what}: {cells[3]}, limit {cells[4]}"
-        cases.append(junit.Case("limits", what, missed))
+        what = " ".join(kpi.table.limit_cells([judged])[0][:3])
+        cases.append(junit.Case("limits", what, None if judged["pass"] else _missed(judged, kpis)))
     return cases
+
+
+def _missed(judged: dict[str, Any], kpis: dict[str, Any]) -> str:
+    """Return a sentence on a limit that is missed; also why, where its KPI has no value."""
+    title, of, scope, value, limit, _ = kpi.table.limit_cells([judged])[0]
+    if judged["value"] is not None:
+        return f"{title} {of} {scope}: {value}, limit {limit}"
+    why = "".join(f" ({told})" for told in kpi.limits.of_nothing([judged], kpis["rows"]))
+    return f"{title} {of} {scope}: not defined in this run{why}, limit {limit}"
 
 
 def _report(out: Path, title: str, args: argparse.Namespace) -> None:
@@ -228,6 +235,10 @@ def _say(
         for m in record["log"]:
             if m["category"] in (SCENARIO, BUILD):
                 print(m["message"], file=sys.stderr)
+    if args.quiet and kpis:
+        for judged in kpis["limits"]:
+            if not judged["pass"]:
+                print(f"dct-harness: limit missed: {_missed(judged, kpis)}", file=sys.stderr)
     if args.json:
         print(json.dumps({"out": str(out), "run": record, "kpis": kpis}))
     elif not args.quiet:
