@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 from dct_harness.kpi import registry
-from dct_harness.report import cells
+from dct_harness.report import cells, runs
 from dct_harness.report.runs import View
+from test_report_data import write_run
 
 
 def _ratio(observer: float, mapped: float) -> dict[str, Any]:
@@ -35,3 +37,16 @@ def test_errors_that_are_not_shown_are_not_compared(
     observer: float, mapped: float, cell: dict[str, Any]
 ) -> None:
     assert _ratio(observer, mapped) == cell
+
+
+def test_runs_of_one_title_are_told_apart_by_their_folders(tmp_path: Path) -> None:
+    """As of a system with and without a change: a missed limit has to say whose it is."""
+    folders = [tmp_path / name for name in ("before", "after", "other")]
+    titles = ("Same", "Same", "Another")
+    made = [write_run(f, "paper_case1", t) for f, t in zip(folders, titles, strict=True)]
+    views = runs.load(made)
+    assert [view.title for view in views] == ["Same (before)", "Same (after)", "Another"]
+    assert [view.title for view in runs.load(made[1:])] == ["Same", "Another"]
+    twin = write_run(tmp_path / "elsewhere/before", "paper_case1", "Same")
+    titles = [view.title for view in runs.load([made[0], twin])]
+    assert titles == [f"Same ({made[0]})", f"Same ({twin})"]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -29,12 +30,16 @@ PAPER_FIGURES = {
 
 @dataclass(frozen=True)
 class View:
-    """One run; `slug` is unique on the page and safe as an HTML id; `earlier` to overlay."""
+    """One run; `slug` is unique on the page and safe as an HTML id; `earlier` to overlay.
+
+    `folder`: its directory, where the page has several runs of one title.
+    """
 
     results: Results
     kpis: dict[str, Any]
     slug: str
     earlier: View | None = None
+    folder: str = ""
 
     @property
     def run(self) -> dict[str, Any]:
@@ -55,7 +60,7 @@ class View:
     def title(self) -> str:
         """Title of the system, with the feedback where there is a control."""
         words = {True: ", with feedback", False: ", without feedback", None: ""}
-        return self.base + words[self.feedback]
+        return self.base + words[self.feedback] + f" ({self.folder})" * bool(self.folder)
 
     @property
     def base(self) -> str:
@@ -123,14 +128,23 @@ class Pair:
 
 
 def load(run_dirs: Sequence[str | Path]) -> list[View]:
-    """Load result directories in the given order and compute their KPIs."""
+    """Load result directories in the given order and compute their KPIs.
+
+    Runs whose titles are equal have their directory in it.
+    """
     views: list[View] = []
     for directory in run_dirs:
         results = load_results(directory)
         _check(Path(directory) / RUN_JSON, results.run)
         base = re.sub(r"[^a-z0-9]+", "-", Path(directory).name.lower()).strip("-") or "run"
         views.append(View(results, kpi.compute(results, results.run), f"{len(views) + 1}-{base}"))
-    return views
+    titles = Counter(view.title for view in views)
+    names = [Path(directory).name for directory in run_dirs]
+    shown = names if len(set(names)) == len(names) else map(str, run_dirs)
+    return [
+        replace(view, folder=folder) if titles[view.title] > 1 else view
+        for view, folder in zip(views, shown, strict=True)
+    ]
 
 
 def _check(path: Path, run: dict[str, Any]) -> None:
