@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from dct_harness import cli
-from dct_harness.errors import ConfigError
+from dct_harness.errors import ConfigError, did_you_mean
 from dct_harness.system import parameters, scenario, system
 from harness_fixture.lag_fmu import run, write_system
 
@@ -213,3 +213,15 @@ def test_shipped_systems_are_valid_and_judged(repo_root: Path) -> None:
         assert loaded.name == path.stem
         assert loaded.scenario.is_file()
         assert loaded.kpis
+
+
+@pytest.mark.parametrize(("name", "hint"), [
+    ("shaft1.gearRatio", "shaft1.gearRatio[1]"),
+    ("shaft1.gearRatio[9]", "shaft1.gearRatio[2]"),  # which of them is as good as another
+    ("zone.temperature", "zone[1].temperature"),
+    ("shaft1.inertias", "shaft1.inertia"),
+])  # fmt: skip
+def test_a_name_without_its_number_is_taken_for_the_first_of_a_list(name: str, hint: str) -> None:
+    known = ("shaft1.inertia", "shaft1.gearRatio[1]", "shaft1.gearRatio[2]", "zone[1].pressure",
+             "zone[1].temperature")  # fmt: skip
+    assert did_you_mean(name, known) == f" Did you mean '{hint}'?"

@@ -89,6 +89,16 @@ def not_utf8(path: Path) -> str:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return `` Did you mean 'x'?`` for the closest known name, or an empty string."""
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f" Did you mean '{close[0]}'?" if close else ""
+    """Return `` Did you mean 'x'?`` for the closest known name, or an empty string.
+
+    Of a list of numbers, `x[1]` and on, a name without a number means the first.
+    """
+    names = list(known)
+    close = difflib.get_close_matches(name, names, n=1)
+    if not close:
+        return ""
+    (hit,) = close
+    if hit.endswith("]") and "[" not in name:
+        stem = hit.rpartition("[")[0]
+        hit = next(n for n in names if n.endswith("]") and n.rpartition("[")[0] == stem)
+    return f" Did you mean '{hit}'?"
