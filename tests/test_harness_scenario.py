@@ -96,6 +96,8 @@ def test_a_run_that_leaves_its_scenario_says_so(
     ("clutch1.position", 0.003, ""), ("clutch1.position", 0.0, ""),
     ("clutch1.pressure", 8.0, "reaches 8 Pa, 8e-05 bar: is it in bar? It is read as Pa"),
     ("clutch1.pressure", 8e5, ""), ("clutch1.pressure", 0.0, ""),
+    ("wheel.speed", 3e3, "reaches 3000 rad/s, 2.865e+04 rpm: is it in rpm? It is read as rad/s"),
+    ("engine.speed", 700.0, ""),
     ("road.grade", 1.0, ""), ("engine.torque", 3e4, ""), ("nobody.knows", 3e4, ""),
 ])  # fmt: skip
 def test_values_in_the_unit_that_tools_show_are_in_doubt(

@@ -1,9 +1,11 @@
-"""What a scenario says that was probably meant in another unit: millimetres, bar, milliseconds.
+"""What a scenario says that was probably meant in another unit: millimetres, bar, rpm, ms.
 
 Nothing is refused: an FMU takes 3 m of actuator travel. But somebody should be told.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from ..system.scenario import Scenario
 
 FAR = 100.0  # units that differ by less may both be meant
 USUAL = (0.01, 1000.0)  # in the unit in which tools show a quantity: 0.01 mm, 1000 mm; 0.01 bar
+FASTEST = {"rpm": 12000.0}  # of what a car has, where units differ by less than FAR
 MILLISECONDS = 500.0  # how often a run would fit into its scenario, were the times in ms; about
 
 
@@ -39,7 +42,8 @@ def _unit(script: Scenario, signal: str) -> str | None:
     shown = {d.name: d for u in contract.description.unitDefinitions for d in u.displayUnits}
     factor = float(shown[variable.displayUnit].factor)
     size = float(np.abs(script.signals[signal]).max())
-    large = factor >= FAR and size * factor >= USUAL[1]
+    most = FASTEST.get(variable.displayUnit, USUAL[1] if factor >= FAR else math.inf)
+    large = size * factor >= most
     small = factor <= 1 / FAR and 0 < size * factor < USUAL[0]
     if not (large or small):
         return None
