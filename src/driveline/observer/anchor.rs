@@ -200,7 +200,10 @@ impl Shown {
         let sum = u.dot(&self.eta);
         let fit = self.eta.dot(&(fitted - self.ratio));
         let size: f64 = (0..WITNESSES)
-            .map(|j| w[j] * both.l_dirty()[(j, j)].powi(2))
+            .map(|j| {
+                let root = both.l_dirty()[(j, j)];
+                w[j] * (root * root)
+            })
             .product();
         [(false, 1.0), (true, ODDS)].map(|(wrong, odds)| {
             let own = spread(sigma[0], wrong);

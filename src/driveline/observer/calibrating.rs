@@ -48,7 +48,7 @@
 use crate::Params;
 use crate::observer::anchor::{Anchor, WITNESSES};
 use crate::observer::calibrating_model::{
-    BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, RATE, Vector, View,
+    ACTING, BETA, BIAS, DELTA, GAMMA, KAPPA, LAMBDA, LEARNT, N, NU, RATE, Vector, View, bound,
 };
 use crate::observer::calibration::{Calibration, PARAMETERS};
 use crate::observer::filter::{Belief, Terms};
@@ -57,7 +57,8 @@ use crate::observer::friction_map::{FrictionMap, POINTS};
 use crate::observer::grip::{Grip, Hold};
 use crate::observer::heard::Heard;
 use crate::observer::instant::Instant;
-use crate::observer::prior::Prior;
+use crate::observer::prior::{MASS, Prior};
+use crate::observer::speeds::Speeds;
 use crate::observer::standstill::unsure;
 use crate::observer::tracker::{SHARED, START, T_C, T_V, Tracker, W_W};
 use crate::observer::walk::{Seen, Walk};
@@ -65,12 +66,8 @@ use crate::observer::{Estimate, Observer, Sample, Settings, Visit};
 use core::ops::Range;
 use nalgebra::{ComplexField, SMatrix, SVector};
 
-/// Largest |β|, |δ|, |w|, |κ|, |γ|, |λ|, |ν| that a vehicle can have.
-const LARGEST: [f64; LEARNT] = [30.0, 0.7, 0.5, 0.5, 0.7, 0.7, 0.7];
 /// J_ed, k_o, c_o, J_out, J_v: witnesses of the common factor.
 const RATIOS: [usize; WITNESSES] = [DELTA, KAPPA, GAMMA, LAMBDA, NU];
-/// Where ν stands among the parameters told.
-const MASS: usize = 7;
 /// Where these stand among the parameters told.
 const TOLD: [usize; WITNESSES] = [2, 4, 5, 6, MASS];
 /// Time constant of the accelerations that δ and λ are seen by while a clutch slips [s].
@@ -110,15 +107,24 @@ impl Gains {
     };
 
     /// Intensities of the states, shape (15); an anchor does not walk.
-    fn intensities(&self, start: &Vector) -> Vector {
+    fn intensities(&self) -> Vector {
         let [q_t, q_v, q_w, q_s] = self.q;
         let mut all = Vector::zeros();
         let motion = [q_w, q_w, q_w, q_s, q_t, q_t, q_v];
         all.fixed_rows_mut::<SHARED>(0).copy_from_slice(&motion);
-        for k in (0..LEARNT).filter(|k| start[SHARED + k] > 0.0) {
+        for k in (0..LEARNT).filter(|k| self.walks(*k)) {
             all[SHARED + k] = self.walk[k];
         }
         all
+    }
+
+    /// Whether parameter k, of β, δ, w, κ, γ, λ, ν, is uncertain at the start; a ratio to T_e is where either is.
+    fn walks(&self, k: usize) -> bool {
+        let own = self.sigma[1 + k];
+        if RATIOS.contains(&(SHARED + k)) {
+            return own.abs() + self.sigma[0].abs() > 0.0;
+        }
+        own > 0.0
     }
 
     /// Deviations of the states at the start, shape (15). A ratio to T_e is as uncertain as both.
@@ -190,7 +196,7 @@ impl Observer for Calibrating {
         let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
         self.walk.mean = self.tracker.belief.x[T_V];
-        self.estimate(p, settings, sample)
+        self.estimate(p, settings, sample, &self.view(p, sample).model)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
@@ -203,7 +209,9 @@ impl Observer for Calibrating {
             .grip
             .step(p, sample, &self.tracker.lock, self.tracker.engaged);
         self.tracker.follow_force(hold);
-        let standing = self.tracker.held(p, sample, self.view(p, sample).model.c);
+        let standing = self
+            .tracker
+            .held(p, sample, || self.view(p, sample).model.c);
         let moving = standing.as_ref().unwrap_or(p);
         self.predict(moving, settings, sample, hold, h);
         let believed = settings.calibrating.sensor;
@@ -212,7 +220,7 @@ impl Observer for Calibrating {
         self.heard
             .listen(p.g(sample.gear), self.tracker.innovation, believed, h);
         self.tracker.remember(p, sample, hold, h);
-        let bounded = self.project();
+        let bounded = bound(&mut self.tracker.belief.x);
         let monitor = &mut self.tracker.monitor;
         monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
         self.vote(settings, h);
@@ -221,7 +229,7 @@ impl Observer for Calibrating {
         if settings.adapts {
             self.learn_friction(p, sample, h);
         }
-        self.estimate(p, settings, sample)
+        self.estimate(p, settings, sample, &model)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -255,14 +263,15 @@ impl Calibrating {
 
     /// Intensities of T_v [(N·m)²/s] and of its rate [(N·m/s)²/s]; of counted speeds, whose noise is not white, none of a rate.
     ///
-    /// All of it while the vehicle begins to roll: no standstill shows its rolling resistance.
-    fn pace(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> [f64; 2] {
+    /// `pull`: what accelerates the vehicle [N·m]. All of it while the vehicle begins to roll: no standstill shows its
+    /// rolling resistance.
+    fn pace(&mut self, p: &Params, settings: &Settings, pull: f64, h: f64) -> [f64; 2] {
         let gains = &settings.calibrating;
         let Belief { x, p: variance } = &self.tracker.belief;
         let v = p.road.r_w * x[W_W];
         let seen = Seen {
             t_v: x[T_V],
-            t_a: self.view(p, sample).pull(),
+            t_a: pull,
             sigma_nu: ComplexField::sqrt(variance[(NU, NU)]),
         };
         let (quiet, [_, most, ..]) = (self.heard.quiet(gains.sensor), gains.q);
@@ -287,17 +296,18 @@ impl Calibrating {
         let smoothed = |now: [f64; 2]| [0, 1].map(|j| now[j] + (last[j] - now[j]) * forget);
         let view = self.view(p, sample);
         let (motion, model, t_e) = (view.motion(h, smoothed), view.model, view.engine_torque());
+        let pull = view.pull();
         self.slope = smoothed(motion.slope);
         self.tracker.swing(p, &model, t_e, h);
         let gains = &settings.calibrating;
-        let mut q = gains.intensities(&gains.start());
-        [q[T_V], q[RATE]] = self.pace(p, settings, sample, h);
+        let mut q = gains.intensities();
+        [q[T_V], q[RATE]] = self.pace(p, settings, pull, h);
         self.tracker.noise(&model, hold, &mut q);
         let q = q * h;
         let belief = &mut self.tracker.belief;
         belief.x.fixed_rows_mut::<6>(0).copy_from(&motion.moved);
         Walk::roll(belief, [T_V, RATE], h);
-        belief.spread(&motion.rows, &q);
+        belief.spread(&motion.rows, &ACTING, &q);
     }
 
     /// Friction over the position, of a clutch that slips while the other one is open.
@@ -312,18 +322,6 @@ impl Calibrating {
         }
     }
 
-    /// Keeps the parameters within what a vehicle can have; tells whether that was needed.
-    fn project(&mut self) -> bool {
-        let mut bounded = false;
-        for (k, largest) in LARGEST.into_iter().enumerate() {
-            let x = &mut self.tracker.belief.x[SHARED + k];
-            let free = *x;
-            *x = free.clamp(-largest, largest);
-            bounded |= *x != free;
-        }
-        bounded
-    }
-
     /// The common factor by its witnesses.
     fn vote(&mut self, settings: &Settings, h: f64) {
         let belief = &self.tracker.belief;
@@ -333,10 +331,9 @@ impl Calibrating {
             .step(&ratio, &p, settings.calibrating.trust(), h);
     }
 
-    /// What was learnt, with deviations.
-    fn calibration(&self) -> Calibration {
-        let (belief, factor) = (&self.tracker.belief, self.anchor.factor());
-        let Belief { x, p } = belief;
+    /// What was learnt, with deviations; `factor`: the common one.
+    fn calibration(&self, factor: f64) -> Calibration {
+        let Belief { x, p } = &self.tracker.belief;
         let mut said = Calibration::default();
         (said.value[0], said.deviation[0]) =
             (factor - 1.0, ComplexField::sqrt(self.anchor.variance));
@@ -352,42 +349,37 @@ impl Calibrating {
         said
     }
 
-    /// What was learnt in all, with the mass that it means; `p` with what was learnt before.
-    fn weighed(&self, p: &Params, settings: &Settings) -> Calibration {
-        let prior = &settings.calibrating.prior;
-        let all = prior.with(&self.calibration());
-        let per_kg = p.road.r_w * p.road.r_w;
-        let believed = p.j_v / (1.0 + prior.0[MASS]);
-        let mass = p.road.m_v + all.value[MASS] * believed / per_kg;
-        Calibration {
-            mass: [mass, all.deviation[MASS] * p.j_v / per_kg],
-            ..all
-        }
-    }
-
     /// What is said of a sample that cannot be used.
     fn refuse(&self, settings: &Settings) -> Estimate {
+        let learnt = self.calibration(self.anchor.factor());
         Estimate {
-            calibration: settings.calibrating.prior.with(&self.calibration()),
+            calibration: settings.calibrating.prior.with(&learnt),
             ..self.tracker.refuse()
         }
     }
 
-    fn estimate(&self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let view = self.view(p, sample);
-        let factor = self.anchor.factor();
-        let own = self.tracker.estimate(p, settings, sample, &view.model);
+    /// What is said after a step; `model`: the driveline with what was learnt.
+    fn estimate(
+        &self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        model: &Speeds,
+    ) -> Estimate {
+        let (prior, factor) = (&settings.calibrating.prior, self.anchor.factor());
+        let resistance = p.road.load_torque(self.tracker.belief.x[W_W], 0.0);
+        let own = self.tracker.estimate(p, settings, sample, model);
         let uncertain = |torque: f64, deviation: f64| {
             ComplexField::sqrt(deviation * deviation + torque * torque * self.anchor.variance)
         };
         let said = Estimate {
             t_c: own.t_c.map(|torque| torque * factor),
             t_o: own.t_o * factor,
-            t_v: (own.t_v + view.resistance()) * factor,
+            t_v: (own.t_v + resistance) * factor,
             t_c_deviation: [0, 1].map(|i| uncertain(own.t_c[i], own.t_c_deviation[i])),
             t_o_deviation: uncertain(own.t_o, own.t_o_deviation),
             friction: own.friction.map(|mu| mu * factor),
-            calibration: self.weighed(p, settings),
+            calibration: prior.weigh(p, &self.calibration(factor)),
             ..own
         };
         said.with_friction_terms(settings, &Instant::new(p, sample))

@@ -42,6 +42,23 @@ pub const NU: usize = 13;
 /// Index of r [N·m/s]: rate of T_v.
 pub const RATE: usize = 14;
 
+/// Largest |β|, |δ|, |w|, |κ|, |γ|, |λ|, |ν| that a vehicle can have.
+const LARGEST: [f64; LEARNT] = [30.0, 0.7, 0.5, 0.5, 0.7, 0.7, 0.7];
+/// States that move others: all but w and r.
+pub const ACTING: [usize; 13] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 12, 13];
+
+/// Keeps the parameters within what a vehicle can have; tells whether that was needed.
+pub fn bound(x: &mut Vector) -> bool {
+    let mut bounded = false;
+    for (k, largest) in LARGEST.into_iter().enumerate() {
+        let x = &mut x[SHARED + k];
+        let free = *x;
+        *x = free.clamp(-largest, largest);
+        bounded |= *x != free;
+    }
+    bounded
+}
+
 /// A sample seen with the parameters of a state.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
@@ -172,7 +189,7 @@ impl<'a> View<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{N, Vector, View};
+    use super::{ACTING, N, Vector, View};
     use crate::Params;
     use crate::observer::Sample;
     use nalgebra::Vector6;
@@ -235,6 +252,7 @@ mod tests {
             for j in 0..N {
                 let truth = slope(|x| motion(x).moved, &x, j).component_div(&units);
                 let ours = rows.column(j).component_div(&units);
+                assert!(ACTING.contains(&j) || rows.column(j).amax() == 0.0, "{j}");
                 let error = (truth - ours).amax() / truth.amax().max(h);
                 assert!(
                     error < tolerance,

@@ -55,7 +55,7 @@ impl<const N: usize> Tracker<N> {
     pub fn engage(&mut self, p: &Params, sample: &Sample) {
         let engaged = self.lock.harder(forces(p, sample));
         if engaged != self.engaged {
-            self.belief.x[W_E] += self.swings(p, sample);
+            self.belief.x[W_E] += self.swings(pressed(p, sample));
             for (clutch, sign) in [(self.engaged, -1.0), (engaged, 1.0)] {
                 if let Some(i) = clutch {
                     self.belief.add(T_C + i, T_C + 1 - i, sign);
@@ -70,8 +70,8 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// What the swing of the damper adds to ω_e of the filter [rad/s].
-    pub(super) fn swings(&self, p: &Params, sample: &Sample) -> f64 {
-        if self.engaged.is_some() || pressed(p, sample) == [true; 2] {
+    pub(super) fn swings(&self, pressed: [bool; 2]) -> f64 {
+        if self.engaged.is_some() || pressed == [true; 2] {
             return 0.0;
         }
         self.swing.shown

@@ -33,20 +33,31 @@ impl<const N: usize> Belief<N> {
 
     /// P⁺ = Φ (P + Q/2) Φᵀ + Q/2 for the diagonal Q of a step, shape (N); x̂ is left to the caller.
     ///
-    /// `rows`: the rows of Φ that move, shape (6, N).
-    pub fn spread(&mut self, rows: &Rows<N>, q: &SVector<f64, N>) {
+    /// In place: Φ P, column by column; its first rows turned into the first columns, as (Φ P)ᵀ; Φ (Φ P)ᵀ. `rows`: the
+    /// rows of Φ that move, shape (6, N); `acting`: the states that they move with.
+    #[inline]
+    pub fn spread(&mut self, rows: &Rows<N>, acting: &[usize], q: &SVector<f64, N>) {
         self.add_noise(q);
-        let cross = rows * self.p;
-        let moved = cross * rows.transpose();
-        self.p.fixed_rows_mut::<MOVING>(0).copy_from(&cross);
-        self.p
-            .fixed_columns_mut::<MOVING>(0)
-            .copy_from(&cross.transpose());
-        let symmetric = (moved + moved.transpose()) * 0.5;
-        self.p
-            .fixed_view_mut::<MOVING, MOVING>(0, 0)
-            .copy_from(&symmetric);
+        advance(rows, acting, &mut self.p.data.0);
+        self.turn();
+        advance(rows, acting, &mut self.p.data.0[..MOVING]);
+        for (i, j) in pairs(MOVING) {
+            let mean = (self.p[(i, j)] + self.p[(j, i)]) * 0.5;
+            (self.p[(i, j)], self.p[(j, i)]) = (mean, mean);
+        }
         self.add_noise(q);
+    }
+
+    /// First rows of P into its first columns, and what of these is among the rows into them.
+    fn turn(&mut self) {
+        for (i, j) in pairs(MOVING) {
+            self.p.swap((i, j), (j, i));
+        }
+        for i in 0..MOVING {
+            for j in MOVING..N {
+                self.p[(j, i)] = self.p[(i, j)];
+            }
+        }
     }
 
     /// State `to` becomes itself plus `factor` times state `from`.
@@ -77,7 +88,7 @@ impl<const N: usize> Belief<N> {
         let s = along(h, &p_h) + r;
         let k = p_h / s;
         self.x += k * residual;
-        self.p -= k * p_h.transpose();
+        self.p.ger(-1.0, &k, &p_h, 1.0); // column by column: no second matrix
         residual * residual / s
     }
 
@@ -92,9 +103,39 @@ impl<const N: usize> Belief<N> {
 
     /// Standard deviation of hᵀ x.
     pub fn deviation(&self, h: Terms<'_>) -> f64 {
-        let variance = along(h, &self.column(h));
+        let entry = |j: usize| {
+            h.iter()
+                .fold(0.0, |sum, (k, by)| sum + self.p[(j, *k)] * by)
+        };
+        let variance: f64 = h.iter().map(|(j, factor)| factor * entry(*j)).sum();
         ComplexField::sqrt(variance.max(0.0))
     }
+}
+
+/// Φ times `columns`, shape (N) each, in place: only the states that move change, by those that are `acting`. The others
+/// have columns of zeros in `rows`.
+#[inline]
+fn advance<const N: usize>(rows: &Rows<N>, acting: &[usize], columns: &mut [[f64; N]]) {
+    let rows = &rows.data.0;
+    let Some((first, others)) = acting.split_first() else {
+        return;
+    };
+    for column in columns {
+        let mut moved = rows[*first].map(|entry| entry * column[*first]);
+        for j in others {
+            for (sum, entry) in moved.iter_mut().zip(rows[*j]) {
+                *sum += entry * column[*j];
+            }
+        }
+        for (state, moved) in column.iter_mut().zip(moved) {
+            *state = moved;
+        }
+    }
+}
+
+/// i < j below `end`.
+fn pairs(end: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..end).flat_map(|j| (0..j).map(move |i| (i, j)))
 }
 
 /// h as the entries that are not 0: where they stand, and what they are. A sensor shows one or two states of all.
@@ -126,13 +167,14 @@ impl Flow {
             t *= 0.5;
             doublings += 1;
         }
-        let mut term = Matrix4::identity() * t;
+        let mut term = Matrix4::identity() * t; // transposed, as Γ until it is summed
         let mut gamma = term;
         for n in 2..=10 {
-            term = a * term * (t / f64::from(n));
+            term = before(&term, &a, t / f64::from(n));
             gamma += term;
         }
-        let mut phi = Matrix4::identity() + a * gamma;
+        let mut phi = Matrix4::identity() + before(&gamma, &a, 1.0).transpose();
+        gamma.transpose_mut();
         for _ in 0..doublings {
             gamma += phi * gamma;
             phi *= phi;
@@ -142,10 +184,33 @@ impl Flow {
 
     /// Rows of Φ for states that drive the motion by `by`, shape (4, N), of which the last N − 4 columns count.
     pub fn rows<const N: usize>(&self, by: &Motion<N>) -> Motion<N> {
-        let mut rows = self.gamma * by;
+        let mut rows = Motion::<N>::zeros();
         rows.fixed_columns_mut::<4>(0).copy_from(&self.phi);
+        for k in 4..N {
+            for j in (0..4).filter(|j| by[(*j, k)] != 0.0) {
+                rows.column_mut(k)
+                    .axpy(by[(j, k)], &self.gamma.column(j), 1.0);
+            }
+        }
         rows
     }
+}
+
+/// (A M)ᵀ `scale` of Mᵀ, by the entries of A that are not 0: damper and drive shaft join neighbours.
+fn before(transposed: &Matrix4<f64>, a: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
+    const JOINED: [&[usize]; 4] = [&[0, 1], &[0, 1, 2, 3], &[1, 2, 3], &[1, 2]];
+    let mut product = Matrix4::zeros();
+    for (i, joined) in JOINED.into_iter().enumerate() {
+        let mut row = [0.0; 4];
+        for j in joined {
+            let (entry, with) = (a[(i, *j)], &transposed.data.0[*j]);
+            for (sum, with) in row.iter_mut().zip(with) {
+                *sum += entry * with;
+            }
+        }
+        product.data.0[i] = row.map(|sum| sum * scale);
+    }
+    product
 }
 
 /// All rows of Φ that move, from those of (ω_e, ω_o, ω_w, T_s) with T_k held.
@@ -240,7 +305,8 @@ mod tests {
             x: SVector::zeros(),
             p,
         };
-        belief.spread(&phi.fixed_rows::<6>(0).into_owned(), &q);
+        let rows = phi.fixed_rows::<6>(0).into_owned();
+        belief.spread(&rows, &[0, 1, 2, 3, 4, 5, 6, 7], &q);
         assert!((belief.p - expected).amax() < 1e-12);
     }
 

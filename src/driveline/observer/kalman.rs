@@ -22,6 +22,7 @@
 use crate::Params;
 use crate::observer::filter::{Flow, Motion, Rows, Terms, with_damper};
 use crate::observer::grip::{Grip, Hold};
+use crate::observer::instant::Instant;
 use crate::observer::speeds::Speeds;
 use crate::observer::tracker::{SHARED, START, T_C, Tracker, W_W};
 use crate::observer::{Estimate, Observer, Sample, Settings, Visit, brake};
@@ -119,8 +120,7 @@ impl Observer for Kalman {
             return self.tracker.refuse();
         }
         self.tracker.start(p, sample, WHEEL);
-        self.tracker
-            .estimate(p, settings, sample, &self.model(p, sample))
+        self.estimate(p, settings, sample, &self.model(p, sample))
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
@@ -132,14 +132,14 @@ impl Observer for Kalman {
             .grip
             .step(p, sample, &self.tracker.lock, self.tracker.engaged);
         self.tracker.follow_force(hold);
-        let standing = self.tracker.held(p, sample, p.c_o);
+        let standing = self.tracker.held(p, sample, || p.c_o);
         self.predict(standing.as_ref().unwrap_or(p), settings, sample, hold, h);
         let sigma = settings.kalman.sigma;
         self.tracker.correct(p, sample, [sigma; 2], sigma, WHEEL, h);
         self.tracker.remember(p, sample, hold, h);
         let model = self.model(p, sample);
         self.tracker.watch(p, settings, sample, &model, h);
-        self.tracker.estimate(p, settings, sample, &model)
+        self.estimate(p, settings, sample, &model)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -154,6 +154,17 @@ impl Observer for Kalman {
 }
 
 impl Kalman {
+    fn estimate(
+        &self,
+        p: &Params,
+        settings: &Settings,
+        sample: &Sample,
+        model: &Speeds,
+    ) -> Estimate {
+        let said = self.tracker.estimate(p, settings, sample, model);
+        said.with_friction_terms(settings, &Instant::new(p, sample))
+    }
+
     fn model(&self, p: &Params, sample: &Sample) -> Speeds {
         Speeds::new(p, sample.gear).behind(p, self.tracker.engaged, 1.0)
     }
@@ -184,7 +195,7 @@ impl Kalman {
         let known = gamma_e * sample.t_e + gamma_b * brake(p, sample) + gamma_y * sample.t_y;
         let moved = rows * belief.x + known;
         belief.x.fixed_rows_mut::<6>(0).copy_from(&moved);
-        belief.spread(&rows, &(q * h));
+        belief.spread(&rows, &[0, 1, 2, 3, 4, 5, 6], &(q * h));
     }
 }
 

@@ -7,6 +7,9 @@ use crate::Params;
 use crate::observer::Sample;
 use crate::observer::calibration::{Calibration, PARAMETERS};
 
+/// Where ν stands among the parameters.
+pub const MASS: usize = 7;
+
 /// α, β, δ, w, κ, γ, λ, ν of an earlier drive: [1], [N·m], [1], [rad/s], [1], [1], [1], [1]; shape (8).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Prior(pub [f64; PARAMETERS]);
@@ -46,6 +49,18 @@ impl Prior {
         value[1] = (1.0 + now[0]) * before[1] + now[1];
         value[3] = before[3] + now[3];
         Calibration { value, ..*learnt }
+    }
+
+    /// The same with the mass that it means; `p` with what was learnt before.
+    pub fn weigh(&self, p: &Params, learnt: &Calibration) -> Calibration {
+        let all = self.with(learnt);
+        let per_kg = p.road.r_w * p.road.r_w;
+        let believed = p.j_v / (1.0 + self.0[MASS]);
+        let mass = p.road.m_v + all.value[MASS] * believed / per_kg;
+        Calibration {
+            mass: [mass, all.deviation[MASS] * p.j_v / per_kg],
+            ..all
+        }
     }
 }
 

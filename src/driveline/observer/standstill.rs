@@ -31,14 +31,18 @@ const IMMOVABLE: f64 = 1e9;
 ///
 /// `omega_w` [rad/s], `t_o` and `t_v` without the brake [N·m]: as estimated.
 pub fn held(p: &Params, sample: &Sample, omega_w: f64, t_o: f64, t_v: f64) -> Option<Params> {
-    let stands = sample.t_brake > 0.0 && omega_w.abs() < STANDS;
-    if !stands || (t_o - t_v).abs() > sample.t_brake {
+    if !stands(sample, omega_w) || (t_o - t_v).abs() > sample.t_brake {
         return None;
     }
     Some(Params {
         j_v: IMMOVABLE,
         ..*p
     })
+}
+
+/// Whether a wheel at `omega_w` [rad/s] stands, braked.
+pub fn stands(sample: &Sample, omega_w: f64) -> bool {
+    sample.t_brake > 0.0 && omega_w.abs() < STANDS
 }
 
 /// Makes rolling resistance as well known as the speed of the wheel, of variance `variance` [(rad/s)²]: V_ε² + V_σ² in

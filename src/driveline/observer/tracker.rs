@@ -14,7 +14,7 @@ use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::phase::pressed;
 use crate::observer::speeds::{Speeds, output_speed};
-use crate::observer::standstill::held;
+use crate::observer::standstill::{held, stands};
 use crate::observer::swing::Swing;
 use crate::observer::{Estimate, Sample, Settings, Visit, brake, made, say_common};
 use nalgebra::SVector;
@@ -130,10 +130,14 @@ impl<const N: usize> Tracker<N> {
         self.engage(p, sample);
     }
 
-    /// The driveline with a wheel that stands, if the brake holds it; `c` of the drive shaft [N·m·s/rad].
-    pub fn held(&self, p: &Params, sample: &Sample, c: f64) -> Option<Params> {
+    /// The driveline with a wheel that stands, if the brake holds it; `c` of the drive shaft [N·m·s/rad], asked for
+    /// where one stands.
+    pub fn held(&self, p: &Params, sample: &Sample, c: impl FnOnce() -> f64) -> Option<Params> {
         let x = &self.belief.x;
-        let t_o = x[T_S] + c * (x[W_O] - x[W_W]);
+        if !stands(sample, x[W_W]) {
+            return None;
+        }
+        let t_o = x[T_S] + c() * (x[W_O] - x[W_W]);
         held(p, sample, x[W_W], t_o, x[T_V])
     }
 
@@ -170,8 +174,8 @@ impl<const N: usize> Tracker<N> {
         wheel: Terms<'_>,
         h: f64,
     ) {
-        let (g, before) = (p.g(sample.gear), self.belief.x);
-        let omega_e = sample.omega_e - self.swings(p, sample);
+        let (g, before, pressed) = (p.g(sample.gear), self.belief.x, pressed(p, sample));
+        let omega_e = sample.omega_e - self.swings(pressed);
         let [r, r_w] = sensor.map(|sigma| sigma * sigma);
         self.innovation = [
             omega_e - before[W_E],
@@ -187,7 +191,7 @@ impl<const N: usize> Tracker<N> {
         normalised += self.measure(wheel, sample.omega_w, r_w) * (r_w / r);
         let expected = normalised * r / (believed * believed * count);
         self.surprise += (expected - self.surprise) * (h / (h + MEMORY));
-        for (i, pressed) in pressed(p, sample).into_iter().enumerate() {
+        for (i, pressed) in pressed.into_iter().enumerate() {
             if !pressed {
                 self.measure(&[(T_C + i, 1.0)], 0.0, OPEN * OPEN);
             }
@@ -244,7 +248,7 @@ impl<const N: usize> Tracker<N> {
         }
     }
 
-    /// What is said after a step; `c` of the drive shaft [N·m·s/rad].
+    /// What is said after a step, but for the friction that belongs to the torques; `c` of the drive shaft [N·m·s/rad].
     pub fn estimate(
         &self,
         p: &Params,
@@ -257,7 +261,7 @@ impl<const N: usize> Tracker<N> {
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
         let now = Instant::new(p, sample);
         let common = made(|y| say_common(y, settings, &now, engaged, fault));
-        let said = Estimate {
+        Estimate {
             t_c: self.t_c,
             t_o: along(&t_o, x),
             t_v: x[T_V] + brake(p, sample),
@@ -271,8 +275,7 @@ impl<const N: usize> Tracker<N> {
             innovation: self.innovation_x(now.g),
             consistency: self.surprise,
             ..common
-        };
-        said.with_friction_terms(settings, &now)
+        }
     }
 
     /// Visits every number of the state.
