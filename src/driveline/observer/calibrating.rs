@@ -191,12 +191,13 @@ impl Observer for Calibrating {
             return self.refuse(settings);
         }
         let (p, sample) = &self.known(p, settings, sample);
-        self.tracker.start(p, sample, WHEEL);
+        let now = Instant::new(p, sample);
+        self.tracker.start(&now, WHEEL);
         self.tracker.believe_road(p, settings.load);
         let resistance = self.view(p, sample).resistance();
         self.tracker.belief.x[T_V] -= resistance;
         self.walk.mean = self.tracker.belief.x[T_V];
-        self.estimate(p, settings, sample, &self.view(p, sample).model)
+        self.estimate(&now, settings, &self.view(p, sample).model)
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
@@ -204,10 +205,11 @@ impl Observer for Calibrating {
             return self.refuse(settings);
         }
         let (p, sample) = &self.known(p, settings, sample);
-        self.tracker.follow(p, sample, h);
+        let now = Instant::new(p, sample);
+        self.tracker.follow(&now, h);
         let hold = self
             .grip
-            .step(p, sample, &self.tracker.lock, self.tracker.engaged);
+            .step(&now, &self.tracker.lock, self.tracker.engaged);
         self.tracker.follow_force(hold);
         let standing = self
             .tracker
@@ -215,21 +217,21 @@ impl Observer for Calibrating {
         let moving = standing.as_ref().unwrap_or(p);
         self.predict(moving, settings, sample, hold, h);
         let believed = settings.calibrating.sensor;
-        let sensor = self.heard.sensor(p, settings, sample, h);
-        self.tracker.correct(p, sample, sensor, believed, WHEEL, h);
+        let sensor = self.heard.sensor(settings, &now, h);
+        self.tracker.correct(&now, sensor, believed, WHEEL, h);
         self.heard
-            .listen(p.g(sample.gear), self.tracker.innovation, believed, h);
-        self.tracker.remember(p, sample, hold, h);
+            .listen(now.g, self.tracker.innovation, believed, h);
+        self.tracker.remember(&now, hold, h);
         let bounded = bound(&mut self.tracker.belief.x);
         let monitor = &mut self.tracker.monitor;
         monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
         self.vote(settings, h);
         let model = self.view(p, sample).model;
-        self.tracker.watch(p, settings, sample, &model, h);
+        self.tracker.watch(&now, settings, &model, h);
         if settings.adapts {
             self.learn_friction(p, sample, h);
         }
-        self.estimate(p, settings, sample, &model)
+        self.estimate(&now, settings, &model)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -359,16 +361,10 @@ impl Calibrating {
     }
 
     /// What is said after a step; `model`: the driveline with what was learnt.
-    fn estimate(
-        &self,
-        p: &Params,
-        settings: &Settings,
-        sample: &Sample,
-        model: &Speeds,
-    ) -> Estimate {
+    fn estimate(&self, now: &Instant<'_>, settings: &Settings, model: &Speeds) -> Estimate {
         let (prior, factor) = (&settings.calibrating.prior, self.anchor.factor());
-        let resistance = p.road.load_torque(self.tracker.belief.x[W_W], 0.0);
-        let own = self.tracker.estimate(p, settings, sample, model);
+        let resistance = now.p.road.load_torque(self.tracker.belief.x[W_W], 0.0);
+        let own = self.tracker.estimate(now, settings, model);
         let uncertain = |torque: f64, deviation: f64| {
             ComplexField::sqrt(deviation * deviation + torque * torque * self.anchor.variance)
         };
@@ -379,10 +375,10 @@ impl Calibrating {
             t_c_deviation: [0, 1].map(|i| uncertain(own.t_c[i], own.t_c_deviation[i])),
             t_o_deviation: uncertain(own.t_o, own.t_o_deviation),
             friction: own.friction.map(|mu| mu * factor),
-            calibration: prior.weigh(p, &self.calibration(factor)),
+            calibration: prior.weigh(now.p, &self.calibration(factor)),
             ..own
         };
-        said.with_friction_terms(settings, &Instant::new(p, sample))
+        said.with_friction_terms(settings, now)
     }
 }
 

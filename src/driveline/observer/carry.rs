@@ -25,12 +25,11 @@
 use crate::Params;
 use crate::observer::friction::Friction;
 use crate::observer::grip::Hold;
+use crate::observer::instant::Instant;
 use crate::observer::lock::TIME;
-use crate::observer::phase::pressed;
 use crate::observer::speeds::Speeds;
 use crate::observer::swing::Swing;
 use crate::observer::tracker::{OPEN, T_C, Tracker, W_E, W_O};
-use crate::observer::{Sample, forces};
 use nalgebra::SVector;
 
 /// Intensity of T_c of a clutch that engages or lets go [(N·m)²/s].
@@ -52,10 +51,10 @@ const FORCE: [f64; 2] = [0.3, 1.0];
 
 impl<const N: usize> Tracker<N> {
     /// T_k = T_c1 + T_c2 takes the place of T_ci where clutch i engages, and gives it back where it lets go.
-    pub fn engage(&mut self, p: &Params, sample: &Sample) {
-        let engaged = self.lock.harder(forces(p, sample));
+    pub fn engage(&mut self, now: &Instant<'_>) {
+        let engaged = self.lock.harder(now.force);
         if engaged != self.engaged {
-            self.belief.x[W_E] += self.swings(pressed(p, sample));
+            self.belief.x[W_E] += self.swings(now);
             for (clutch, sign) in [(self.engaged, -1.0), (engaged, 1.0)] {
                 if let Some(i) = clutch {
                     self.belief.add(T_C + i, T_C + 1 - i, sign);
@@ -63,15 +62,15 @@ impl<const N: usize> Tracker<N> {
             }
             if engaged.is_none() {
                 let x = &self.belief.x;
-                self.swing = Swing::rest(p, sample.t_e, x[T_C] + x[T_C + 1]);
+                self.swing = Swing::rest(now.p, now.sample.t_e, x[T_C] + x[T_C + 1]);
             }
             self.engaged = engaged;
         }
     }
 
     /// What the swing of the damper adds to ω_e of the filter [rad/s].
-    pub(super) fn swings(&self, pressed: [bool; 2]) -> f64 {
-        if self.engaged.is_some() || pressed == [true; 2] {
+    pub(super) fn swings(&self, now: &Instant<'_>) -> f64 {
+        if self.engaged.is_some() || now.pressed() == [true; 2] {
             return 0.0;
         }
         self.swing.shown
@@ -129,8 +128,8 @@ impl<const N: usize> Tracker<N> {
 
     /// In a handover, where speeds leave one direction of both torques nearly undetermined (erratum E5), a clutch that
     /// slips carries what its friction, if it was learnt, makes of its force.
-    pub fn remember(&mut self, p: &Params, sample: &Sample, hold: [Hold; 2], h: f64) {
-        if pressed(p, sample) != [true; 2] {
+    pub fn remember(&mut self, now: &Instant<'_>, hold: [Hold; 2], h: f64) {
+        if now.pressed() != [true; 2] {
             return;
         }
         for (i, hold) in hold.into_iter().enumerate() {
@@ -147,15 +146,15 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// A clutch of a known friction that would carry more than it can slips, and goes on slipping while it would.
-    pub fn release(&mut self, p: &Params, sample: &Sample) {
+    pub fn release(&mut self, now: &Instant<'_>) {
+        let lever = now.levers();
         for i in [0, 1] {
             if !self.friction.known(i) || self.engaged != Some(i) && !self.lock.freed[i] {
                 continue;
             }
-            let lever = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
-            let handover = p.clutch[1 - i].force(sample.actuation[1 - i]) > 0.0;
-            let kinetic = self.friction.mu[i] * lever;
-            self.lock.bear(p, i, self.t_c[i], kinetic, handover);
+            let handover = now.force[1 - i] > 0.0;
+            let kinetic = self.friction.mu[i] * lever[i];
+            self.lock.bear(now.p, i, self.t_c[i], kinetic, handover);
         }
     }
 }

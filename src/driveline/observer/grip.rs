@@ -4,9 +4,9 @@
 //! μ F(θ) r_c N with a friction that hardly changes, and an engaged one carries what the damper does. What neither tells,
 //! the moment around an engagement, is fast.
 
-use crate::Params;
+use crate::observer::Visit;
+use crate::observer::instant::Instant;
 use crate::observer::lock::{Lock, SLIP};
-use crate::observer::{Sample, Visit};
 
 /// Lever from which the torque tells a friction [N·m].
 const LEVER: f64 = 20.0;
@@ -51,17 +51,12 @@ pub struct Grip {
 
 impl Grip {
     /// Takes the next sample; `engaged`: the clutch that is.
-    pub fn step(
-        &mut self,
-        p: &Params,
-        sample: &Sample,
-        lock: &Lock,
-        engaged: Option<usize>,
-    ) -> [Hold; 2] {
+    pub fn step(&mut self, now: &Instant<'_>, lock: &Lock, engaged: Option<usize>) -> [Hold; 2] {
+        let (levers, slip) = (now.levers(), now.sample.slip());
         [0, 1].map(|i| {
-            let now = p.clutch[i].force(sample.actuation[i]) * p.clutch[i].r_c_n;
+            let now = levers[i];
             let before = core::mem::replace(&mut self.lever[i], now);
-            match lock.freed[i] || sample.slip()[i].abs() > SLIP {
+            match lock.freed[i] || slip[i].abs() > SLIP {
                 _ if engaged == Some(i) => Hold::Engaged,
                 true => Hold::Slips { before, now },
                 false => Hold::Unsure,
@@ -81,6 +76,7 @@ mod tests {
     use super::{Grip, Hold};
     use crate::Params;
     use crate::observer::Sample;
+    use crate::observer::instant::Instant;
     use crate::observer::lock::Lock;
     use crate::params::Actuation;
 
@@ -100,8 +96,16 @@ mod tests {
     #[test]
     fn a_slipping_clutch_moves_with_its_force() {
         let (p, mut grip) = (Params::TABLE_1, Grip::default());
-        grip.step(&p, &sample(5e-3, 40.0), &Lock::default(), None);
-        let [hold, _] = grip.step(&p, &sample(6e-3, 40.0), &Lock::default(), None);
+        grip.step(
+            &Instant::new(&p, &sample(5e-3, 40.0)),
+            &Lock::default(),
+            None,
+        );
+        let [hold, _] = grip.step(
+            &Instant::new(&p, &sample(6e-3, 40.0)),
+            &Lock::default(),
+            None,
+        );
         let lever = |force: f64| force * p.clutch[0].r_c_n;
         let (before, now) = (lever(1350.0), lever(2200.0));
         let torque = 0.26 * before;
@@ -115,7 +119,9 @@ mod tests {
     #[test]
     fn a_clutch_slips_as_its_lock_says() {
         let (p, mut grip, mut lock) = (Params::TABLE_1, Grip::default(), Lock::default());
-        let mut hold = |lock: &Lock, engaged| grip.step(&p, &sample(5e-3, 0.3), lock, engaged)[0];
+        let sample = sample(5e-3, 0.3);
+        let now = Instant::new(&p, &sample);
+        let mut hold = |lock: &Lock, engaged| grip.step(&now, lock, engaged)[0];
         assert_eq!(hold(&lock, Some(0)), Hold::Engaged);
         assert_eq!(hold(&lock, None), Hold::Unsure);
         lock.bear(&p, 0, 100.0, 30.0, false);

@@ -15,9 +15,8 @@
 //! over a step miss, a few N·m on J_e: at 100 Hz that is all of it. Speeds that are counted have passed a filter
 //! ([`encoder`](crate::observer::encoder)): what is left of their noise is not white, and innovations do not show it.
 
-use crate::Params;
-use crate::observer::phase::pressed;
-use crate::observer::{Sample, Settings, Visit, within};
+use crate::observer::instant::Instant;
+use crate::observer::{Settings, Visit, within};
 use nalgebra::ComplexField;
 
 /// Time constant of the mean [s].
@@ -45,7 +44,7 @@ impl Heard {
     }
 
     /// Deviations of ω_e, ω_c1, ω_c2 and of ω_w in a sample `h` [s] after the last one [rad/s], shape (2).
-    pub fn sensor(&self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> [f64; 2] {
+    pub fn sensor(&self, settings: &Settings, now: &Instant<'_>, h: f64) -> [f64; 2] {
         let believed = settings.calibrating.sensor;
         if settings.encoder != [0.0; 4] {
             return [believed; 2];
@@ -54,7 +53,7 @@ impl Heard {
         let [speed, wheel] = self
             .variance
             .map(|heard| within(ComplexField::sqrt(heard), least, believed));
-        if pressed(p, sample) == [true; 2] {
+        if now.pressed() == [true; 2] {
             return [believed, wheel];
         }
         [speed; 2]
@@ -87,6 +86,7 @@ impl Heard {
 mod tests {
     use super::Heard;
     use crate::Params;
+    use crate::observer::instant::Instant;
     use crate::observer::{Sample, Settings};
     use crate::params::Actuation;
 
@@ -112,7 +112,7 @@ mod tests {
         for _ in 0..1000 {
             heard.listen(g, [size, -o, size], BELIEVED, h);
         }
-        heard.sensor(&p, &Settings::CASE_1, &sample(positions), h)
+        heard.sensor(&Settings::CASE_1, &Instant::new(&p, &sample(positions)), h)
     }
 
     #[test]
@@ -133,7 +133,7 @@ mod tests {
         for _ in 0..500 {
             heard.listen([12.0, 7.0], [0.0; 3], BELIEVED, H);
         }
-        let [told, wheel] = heard.sensor(&p, &Settings::CASE_1, &clutch_1, H);
+        let [told, wheel] = heard.sensor(&Settings::CASE_1, &Instant::new(&p, &clutch_1), H);
         assert!((told - 0.02).abs() < 1e-9 && wheel == told);
     }
 
@@ -155,7 +155,11 @@ mod tests {
         for _ in 0..1000 {
             heard.listen(p.g([1, 2]), [0.3, 0.1, 0.05], BELIEVED, H);
         }
-        let told = heard.sensor(&p, &Settings::CASE_1, &sample([5e-3, 5e-3]), H);
+        let told = heard.sensor(
+            &Settings::CASE_1,
+            &Instant::new(&p, &sample([5e-3, 5e-3])),
+            H,
+        );
         assert!(
             told[0] == BELIEVED && (told[1] - 0.05).abs() < 1e-4,
             "{told:?}"
@@ -168,7 +172,8 @@ mod tests {
             encoder: [0.0, 0.0, 0.0, 1024.0],
             ..Settings::CASE_1
         };
-        let told = Heard::default().sensor(&Params::TABLE_1, &counted, &sample([5e-3, 0.0]), H);
+        let sample = sample([5e-3, 0.0]);
+        let told = Heard::default().sensor(&counted, &Instant::new(&Params::TABLE_1, &sample), H);
         assert_eq!(told, [BELIEVED; 2]);
     }
 }

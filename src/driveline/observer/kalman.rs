@@ -119,27 +119,29 @@ impl Observer for Kalman {
         if !sample.is_finite() {
             return self.tracker.refuse();
         }
-        self.tracker.start(p, sample, WHEEL);
-        self.estimate(p, settings, sample, &self.model(p, sample))
+        let now = Instant::new(p, sample);
+        self.tracker.start(&now, WHEEL);
+        self.estimate(&now, settings, &self.model(p, sample))
     }
 
     fn step(&mut self, p: &Params, settings: &Settings, sample: &Sample, h: f64) -> Estimate {
         if !sample.may_enter(h) {
             return self.tracker.refuse();
         }
-        self.tracker.follow(p, sample, h);
+        let now = Instant::new(p, sample);
+        self.tracker.follow(&now, h);
         let hold = self
             .grip
-            .step(p, sample, &self.tracker.lock, self.tracker.engaged);
+            .step(&now, &self.tracker.lock, self.tracker.engaged);
         self.tracker.follow_force(hold);
         let standing = self.tracker.held(p, sample, || p.c_o);
         self.predict(standing.as_ref().unwrap_or(p), settings, sample, hold, h);
         let sigma = settings.kalman.sigma;
-        self.tracker.correct(p, sample, [sigma; 2], sigma, WHEEL, h);
-        self.tracker.remember(p, sample, hold, h);
+        self.tracker.correct(&now, [sigma; 2], sigma, WHEEL, h);
+        self.tracker.remember(&now, hold, h);
         let model = self.model(p, sample);
-        self.tracker.watch(p, settings, sample, &model, h);
-        self.estimate(p, settings, sample, &model)
+        self.tracker.watch(&now, settings, &model, h);
+        self.estimate(&now, settings, &model)
     }
 
     fn visit(&mut self, visit: Visit<'_>) {
@@ -154,15 +156,9 @@ impl Observer for Kalman {
 }
 
 impl Kalman {
-    fn estimate(
-        &self,
-        p: &Params,
-        settings: &Settings,
-        sample: &Sample,
-        model: &Speeds,
-    ) -> Estimate {
-        let said = self.tracker.estimate(p, settings, sample, model);
-        said.with_friction_terms(settings, &Instant::new(p, sample))
+    fn estimate(&self, now: &Instant<'_>, settings: &Settings, model: &Speeds) -> Estimate {
+        let said = self.tracker.estimate(now, settings, model);
+        said.with_friction_terms(settings, now)
     }
 
     fn model(&self, p: &Params, sample: &Sample) -> Speeds {

@@ -12,7 +12,6 @@ use crate::observer::instant::Instant;
 use crate::observer::load::LoadMethod;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
-use crate::observer::phase::pressed;
 use crate::observer::speeds::{Speeds, output_speed};
 use crate::observer::standstill::{held, stands};
 use crate::observer::swing::Swing;
@@ -103,11 +102,12 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// Starts from measurements. `wheel`: what the wheel sensor shows of the states.
-    pub fn start(&mut self, p: &Params, sample: &Sample, wheel: Terms<'_>) {
+    pub fn start(&mut self, now: &Instant<'_>, wheel: Terms<'_>) {
+        let Instant { p, sample, .. } = *now;
         self.belief.x[T_V] = p.road.load_torque(sample.omega_w, sample.phi);
         self.take_speeds(p, sample, wheel);
         self.lock.start(p, sample);
-        self.engage(p, sample);
+        self.engage(now);
         self.swing = Swing::rest(p, sample.t_e, 0.0);
         self.monitor.start(p, sample);
     }
@@ -122,12 +122,12 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// Before the prediction: gears that went out or came in, engaged clutches.
-    pub fn follow(&mut self, p: &Params, sample: &Sample, h: f64) {
-        if self.g != p.g(sample.gear) {
-            self.take_gear(p, sample);
+    pub fn follow(&mut self, now: &Instant<'_>, h: f64) {
+        if self.g != now.g {
+            self.take_gear(now);
         }
-        self.lock.step(&Instant::new(p, sample), self.t_c, h);
-        self.engage(p, sample);
+        self.lock.step(now, self.t_c, h);
+        self.engage(now);
     }
 
     /// The driveline with a wheel that stands, if the brake holds it; `c` of the drive shaft [N·m·s/rad], asked for
@@ -153,10 +153,10 @@ impl<const N: usize> Tracker<N> {
 
     /// Where a gear goes out or comes in: ω_o from the shafts that turn with the output now. T_s goes on, as clutches and
     /// load do, but for what the transfer shafts give.
-    fn take_gear(&mut self, p: &Params, sample: &Sample) {
-        self.g = p.g(sample.gear);
+    fn take_gear(&mut self, now: &Instant<'_>) {
+        self.g = now.g;
         let Belief { x, p } = &mut self.belief;
-        x[W_O] = output_speed(self.g, sample);
+        x[W_O] = output_speed(self.g, now.sample);
         p.row_mut(W_O).fill(0.0);
         p.column_mut(W_O).fill(0.0);
         p[(W_O, W_O)] = START[W_O] * START[W_O];
@@ -167,15 +167,14 @@ impl<const N: usize> Tracker<N> {
     /// `sensor` of ω_e, ω_c1, ω_c2 and of ω_w; `believed` of each at most.
     pub fn correct(
         &mut self,
-        p: &Params,
-        sample: &Sample,
+        now: &Instant<'_>,
         sensor: [f64; 2],
         believed: f64,
         wheel: Terms<'_>,
         h: f64,
     ) {
-        let (g, before, pressed) = (p.g(sample.gear), self.belief.x, pressed(p, sample));
-        let omega_e = sample.omega_e - self.swings(pressed);
+        let (Instant { sample, g, .. }, before) = (*now, self.belief.x);
+        let (pressed, omega_e) = (now.pressed(), sample.omega_e - self.swings(now));
         let [r, r_w] = sensor.map(|sigma| sigma * sigma);
         self.innovation = [
             omega_e - before[W_E],
@@ -204,25 +203,17 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// After the correction: friction, and whether the inputs make sense.
-    pub fn watch(
-        &mut self,
-        p: &Params,
-        settings: &Settings,
-        sample: &Sample,
-        model: &Speeds,
-        h: f64,
-    ) {
-        let now = Instant::new(p, sample);
+    pub fn watch(&mut self, now: &Instant<'_>, settings: &Settings, model: &Speeds, h: f64) {
         let (engaged, e) = (self.lock.engaged(), self.innovation_x(now.g));
         let x = &self.belief.x;
         let states = x.fixed_rows::<4>(0).into_owned();
-        self.t_c = model.clutch_torques(&states, [x[T_C], x[T_C + 1]], sample.t_y);
-        self.release(p, sample);
+        self.t_c = model.clutch_torques(&states, [x[T_C], x[T_C + 1]], now.sample.t_y);
+        self.release(now);
         if settings.adapts {
-            let mu_hat = self.mu_hat(&now);
-            self.friction.learn(&now, engaged, mu_hat, h);
+            let mu_hat = self.mu_hat(now);
+            self.friction.learn(now, engaged, mu_hat, h);
         }
-        self.monitor.step(&now, engaged, e, h);
+        self.monitor.step(now, engaged, e, h);
         self.monitor.doubt(self.surprise, h);
     }
 
@@ -249,22 +240,15 @@ impl<const N: usize> Tracker<N> {
     }
 
     /// What is said after a step, but for the friction that belongs to the torques; `c` of the drive shaft [N·m·s/rad].
-    pub fn estimate(
-        &self,
-        p: &Params,
-        settings: &Settings,
-        sample: &Sample,
-        model: &Speeds,
-    ) -> Estimate {
+    pub fn estimate(&self, now: &Instant<'_>, settings: &Settings, model: &Speeds) -> Estimate {
         let (x, c) = (&self.belief.x, model.c);
         let t_o = [(T_S, 1.0), (W_O, c), (W_W, -c)];
         let (engaged, fault) = (self.lock.engaged(), self.monitor.fault());
-        let now = Instant::new(p, sample);
-        let common = made(|y| say_common(y, settings, &now, engaged, fault));
+        let common = made(|y| say_common(y, settings, now, engaged, fault));
         Estimate {
             t_c: self.t_c,
             t_o: along(&t_o, x),
-            t_v: x[T_V] + brake(p, sample),
+            t_v: x[T_V] + brake(now.p, now.sample),
             t_c_deviation: [0, 1].map(|i| {
                 let other = if self.engaged == Some(i) { -1.0 } else { 0.0 };
                 self.belief
