@@ -64,7 +64,9 @@ impl Package {
             Self::Qemu => starts(&"qemu-aarch64") && starts(&"qemu-arm"),
             Self::Arm => Path::new("/usr/aarch64-linux-gnu/lib/libc.so.6").exists(),
             Self::RustSource => has_sources("/usr/bin/rustc") && starts(&"/usr/bin/cargo"),
-            Self::AnyRustSource => has_sources("rustc") || Self::RustSource.is_present(),
+            Self::AnyRustSource => {
+                has_sources("rustc") || rustup_brings_sources() || Self::RustSource.is_present()
+            }
             Self::Venv => python().is_ok_and(|python| {
                 succeeds(Command::new(python).args(["-c", "import ensurepip, venv"]))
             }),
@@ -85,6 +87,11 @@ fn has_sources(rustc: &str) -> bool {
     command.args(["--print", "sysroot"]);
     let library = "lib/rustlib/src/rust/library/std/Cargo.toml";
     printed(command).is_some_and(|sysroot| Path::new(&sysroot).join(library).exists())
+}
+
+/// Whether rustup can fetch them for the compiler at hand: Debian's may be older than this project's least version.
+fn rustup_brings_sources() -> bool {
+    succeeds(Command::new("rustup").args(["component", "add", "rust-src"])) && has_sources("rustc")
 }
 
 fn starts(program: &&str) -> bool {
