@@ -220,7 +220,7 @@ def test_the_readme_states_the_stack(library: Path, tmp_path: Path) -> None:
     program = tmp_path / "footprint"
     _done("cc", *STRICT, EXAMPLE / "footprint.c", library, "-o", program)
     room, *methods = (line.split(",") for line in _done(program).stdout.split())
-    assert room == ["dct_observer", "5608"]
+    assert room == ["dct_observer", "5616"]
     assert len(methods) == len(METHODS)
     for method, *measured in methods:
         stated = _stated()[METHODS[int(method) - 1]][1:]

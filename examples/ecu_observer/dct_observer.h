@@ -18,7 +18,7 @@ extern "C" {
 #define DCT_MAP_POINTS 10
 #define DCT_PARAMETERS 8 /* that the method `calibrating` learns */
 #define DCT_FRICTION_POINTS 5 /* of a friction over the position, evenly from the touch point to the end of the map */
-#define DCT_OBSERVER_DOUBLES 701 /* room of dct_observer; the library does not compile if it is short */
+#define DCT_OBSERVER_DOUBLES 702 /* room of dct_observer; the library does not compile if it is short */
 
 /* What a call says. */
 enum {

@@ -128,7 +128,7 @@ impl Gains {
     }
 
     /// Deviations of the states at the start, shape (15). A ratio to T_e is as uncertain as both.
-    fn start(&self) -> Vector {
+    pub(super) fn start(&self) -> Vector {
         let mut sigma = Vector::zeros();
         sigma.fixed_rows_mut::<SHARED>(0).copy_from_slice(&START);
         sigma
@@ -141,7 +141,7 @@ impl Gains {
     }
 
     /// Covariance of the ratios at the start by what is common to them: T_e, that they are measured by.
-    fn correlate(&self, p: &mut SMatrix<f64, N, N>) {
+    pub(super) fn correlate(&self, p: &mut SMatrix<f64, N, N>) {
         for (a, b) in RATIOS.into_iter().flat_map(|a| RATIOS.map(|b| (a, b))) {
             if a != b {
                 p[(a, b)] = self.sigma[0] * self.sigma[0];
@@ -173,30 +173,21 @@ pub struct Calibrating {
     pub heard: Heard,
     /// How fast T_v walks.
     pub walk: Walk,
+    /// What a start with a pressed clutch leaves to be found (begun.rs): time for which torques are, or,
+    /// negative, for which the drive shaft may turn out to be wound up [s].
+    pub finding: f64,
 }
 
 impl Observer for Calibrating {
     fn start(&mut self, p: &Params, settings: &Settings, sample: &Sample) -> Estimate {
-        let sigma = settings.calibrating.start();
-        *self = Self {
-            tracker: Tracker::new(settings, Vector::zeros(), sigma),
-            map: [0, 1]
-                .map(|i| FrictionMap::new(settings.mu_n[i], settings.calibrating.friction[i])),
-            anchor: Anchor::new(settings.calibrating.sigma[0]),
-            heard: Heard::new(settings.calibrating.sensor),
-            ..Self::default()
-        };
-        settings.calibrating.correlate(&mut self.tracker.belief.p);
+        self.clear(settings);
         if !sample.is_finite() {
             return self.refuse(settings);
         }
         let (p, sample) = &self.known(p, settings, sample);
         let now = Instant::new(p, sample);
-        self.tracker.start(&now, WHEEL);
-        self.tracker.believe_road(p, settings.load);
-        let resistance = self.view(p, sample).resistance();
-        self.tracker.belief.x[T_V] -= resistance;
-        self.walk.mean = self.tracker.belief.x[T_V];
+        self.begin(&now, settings);
+        self.suspect(&now);
         self.estimate(&now, settings, &self.view(p, sample).model)
     }
 
@@ -225,6 +216,7 @@ impl Observer for Calibrating {
         let bounded = bound(&mut self.tracker.belief.x);
         let monitor = &mut self.tracker.monitor;
         monitor.saturated = if bounded { monitor.saturated + h } else { 0.0 };
+        self.find(&now, settings, h);
         self.vote(settings, h);
         let model = self.view(p, sample).model;
         self.tracker.watch(&now, settings, &model, h);
@@ -236,7 +228,7 @@ impl Observer for Calibrating {
 
     fn visit(&mut self, visit: Visit<'_>) {
         #[rustfmt::skip] // a list
-        let Self { tracker, anchor, grip, slope, map, heard, walk } = self;
+        let Self { tracker, anchor, grip, slope, map, heard, walk, finding } = self;
         tracker.visit(visit);
         anchor.visit(visit);
         grip.visit(visit);
@@ -244,10 +236,24 @@ impl Observer for Calibrating {
         map.iter_mut().for_each(|map| map.visit(visit));
         heard.visit(visit);
         walk.visit(visit);
+        visit(finding);
     }
 }
 
 impl Calibrating {
+    /// Nothing known but the deviations of the states.
+    pub(super) fn clear(&mut self, settings: &Settings) {
+        let (gains, mu_n) = (&settings.calibrating, settings.mu_n);
+        *self = Self {
+            tracker: Tracker::new(settings, Vector::zeros(), gains.start()),
+            map: [0, 1].map(|i| FrictionMap::new(mu_n[i], gains.friction[i])),
+            anchor: Anchor::new(gains.sigma[0]),
+            heard: Heard::new(gains.sensor),
+            ..Self::default()
+        };
+        gains.correlate(&mut self.tracker.belief.p);
+    }
+
     /// What is known before a step: by an earlier drive, and of a wheel that may stand.
     fn known(&self, p: &Params, settings: &Settings, sample: &Sample) -> (Params, Sample) {
         let (mut p, sample) = settings.calibrating.prior.correct(p, sample);
@@ -256,7 +262,7 @@ impl Calibrating {
     }
 
     /// A sample seen with what is known.
-    fn view<'a>(&'a self, p: &'a Params, sample: &'a Sample) -> View<'a> {
+    pub(super) fn view<'a>(&'a self, p: &'a Params, sample: &'a Sample) -> View<'a> {
         let Tracker {
             belief, engaged, ..
         } = &self.tracker;
@@ -383,4 +389,4 @@ impl Calibrating {
 }
 
 /// What the wheel sensor shows of the states.
-const WHEEL: Terms<'_> = &[(W_W, 1.0), (BIAS, 1.0)];
+pub(super) const WHEEL: Terms<'_> = &[(W_W, 1.0), (BIAS, 1.0)];

@@ -60,6 +60,14 @@ impl<const N: usize> Belief<N> {
         }
     }
 
+    /// State `k` is `x` with a deviation of `sigma`, independent of the others.
+    pub fn forget(&mut self, k: usize, x: f64, sigma: f64) {
+        self.x[k] = x;
+        self.p.row_mut(k).fill(0.0);
+        self.p.column_mut(k).fill(0.0);
+        self.p[(k, k)] = sigma * sigma;
+    }
+
     /// State `to` becomes itself plus `factor` times state `from`.
     pub fn add(&mut self, to: usize, from: usize, factor: f64) {
         let Self { x, p } = self;

@@ -14,6 +14,7 @@
 
 pub mod adaptive;
 pub mod anchor;
+mod begun;
 mod breakaway;
 pub mod calibrating;
 mod calibrating_model;

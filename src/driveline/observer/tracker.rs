@@ -9,7 +9,6 @@ use crate::Params;
 use crate::observer::filter::{Belief, Terms, along};
 use crate::observer::friction::Friction;
 use crate::observer::instant::Instant;
-use crate::observer::load::LoadMethod;
 use crate::observer::lock::Lock;
 use crate::observer::monitor::Monitor;
 use crate::observer::speeds::{Speeds, output_speed};
@@ -112,15 +111,6 @@ impl<const N: usize> Tracker<N> {
         self.monitor.start(p, sample);
     }
 
-    /// After the start, with a clutch engaged: T_v is that of (11) as far as `method` vouches for it. Behind an engaged clutch no
-    /// speed tells it from an offset of T_e.
-    pub fn believe_road(&mut self, p: &Params, method: LoadMethod) {
-        let Belief { x, p: variance } = &mut self.belief;
-        if let (Some(vouched), Some(_)) = (method.vouched(p, x[T_V]), self.engaged) {
-            variance[(T_V, T_V)] = vouched;
-        }
-    }
-
     /// Before the prediction: gears that went out or came in, engaged clutches.
     pub fn follow(&mut self, now: &Instant<'_>, h: f64) {
         if self.g != now.g {
@@ -155,12 +145,9 @@ impl<const N: usize> Tracker<N> {
     /// load do, but for what the transfer shafts give.
     fn take_gear(&mut self, now: &Instant<'_>) {
         self.g = now.g;
-        let Belief { x, p } = &mut self.belief;
-        x[W_O] = output_speed(self.g, now.sample);
-        p.row_mut(W_O).fill(0.0);
-        p.column_mut(W_O).fill(0.0);
-        p[(W_O, W_O)] = START[W_O] * START[W_O];
-        p[(T_S, T_S)] += GIVES * GIVES;
+        let omega_o = output_speed(self.g, now.sample);
+        self.belief.forget(W_O, omega_o, START[W_O]);
+        self.belief.p[(T_S, T_S)] += GIVES * GIVES;
     }
 
     /// Corrects by every speed and by clutches that are open, `h` [s] after the last ones. Deviations [rad/s], shape (2):

@@ -9,6 +9,7 @@
     reason = "helpers of tests"
 )]
 
+mod begun;
 mod bench;
 mod calibrating;
 mod consistency;
