@@ -104,9 +104,10 @@ def identify(
     inverse = np.linalg.inv(z.T @ x)
     beta = inverse @ z.T @ torque
     errors = _errors(inverse @ z.T, beta, noise, step, through)
-    found = [Estimated(float(b), float(e)) for b, e in zip(beta[:2], errors[:2], strict=True)]
+    k, c = (Estimated(float(b), float(e)) for b, e in zip(beta[:2], errors[:2], strict=True))
     share = _explained(torque[inside], (x @ beta)[inside])
-    return Fit(method, *found, share, int(inside.sum()), *time[inside][[0, -1]].tolist())
+    first, last = time[inside][[0, -1]].tolist()
+    return Fit(method, k, c, share, int(inside.sum()), first, last)
 
 
 def _explained(torque: np.ndarray, fitted: np.ndarray) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from .. import measured, shaft
 from ..errors import ConfigError, did_you_mean, instant
 from ..kpi.typography import minus
-from ..units import find
+from ..units import find, to_si
 from .arguments import Verbs, add_loudness, amount, moment, ratio, say, seconds, verb
 
 EXAMPLES = """identify launch.csv
@@ -107,7 +107,7 @@ def _moved(
 def _largest(rows: np.ndarray) -> str:
     """Return how large the inputs become: nothing else tells the unit of a column without one."""
     clutch, wheel, torque = np.abs(rows[:, 1:]).max(axis=0)
-    per_minute = find("rpm").factor
+    _, per_minute, _ = to_si("rpm")
     return (
         f"clutch speed up to {clutch / per_minute:.0f} rpm, wheel {wheel / per_minute:.0f} rpm, "
         f"torque {torque:.4g} N·m, where no unit is stated read as rad/s and N·m"

@@ -198,9 +198,11 @@ def _judge(loop: Run, record: dict[str, Any], out: Path) -> dict[str, Any]:
 def _cases(record: dict[str, Any], kpis: dict[str, Any] | None) -> list[junit.Case]:
     """Return a case for the run itself and one per limit."""
     cases = [junit.Case("run", junit.ENDS, error=record["error"])]
-    for judged in kpis["limits"] if kpis else ():
-        what = " ".join(kpi.table.limit_cells([judged])[0][:3])
-        cases.append(junit.Case("limits", what, None if judged["pass"] else _missed(judged, kpis)))
+    if kpis:
+        for judged in kpis["limits"]:
+            what = " ".join(kpi.table.limit_cells([judged])[0][:3])
+            missed = None if judged["pass"] else _missed(judged, kpis)
+            cases.append(junit.Case("limits", what, missed))
     return cases
 
 
